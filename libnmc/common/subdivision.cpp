@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "libnmc/common/subdivision.h"
+
+#include <algorithm>
+
+namespace nmc {
+
+namespace {
+
+struct DirectedEdge {
+  std::uint32_t low, high;  // end points in increasing order
+  std::uint32_t slot;       // 3 * face + corner
+};
+
+/// Numbers the edges of level 0 by first visit and finds the face on their other side.
+Status number_base_edges(LevelTopology& topology, Memory* memory) {
+  const std::uint32_t slot_count = 3 * topology.face_count;
+  Array<DirectedEdge> sorted(memory);
+  if (!sorted.resize(slot_count)) return no_memory();
+  const Array<std::uint32_t>& corners = topology.face_vertices;
+  for (std::uint32_t slot = 0; slot < slot_count; ++slot) {
+    const std::uint32_t face = slot / 3, k = slot % 3;
+    const std::uint32_t a = corners[3 * face + (k + 1) % 3], b = corners[3 * face + (k + 2) % 3];
+    sorted[slot] = {std::min(a, b), std::max(a, b), slot};
+  }
+  std::sort(sorted.begin(), sorted.end(), [](const DirectedEdge& s, const DirectedEdge& t) {
+    if (s.low != t.low) return s.low < t.low;
+    if (s.high != t.high) return s.high < t.high;
+    return s.slot < t.slot;
+  });
+  Array<std::uint32_t> partner(memory);  // the slot of the same edge in the other face
+  if (!partner.assign(slot_count, kNone)) return no_memory();
+  for (std::uint32_t i = 0; i < slot_count;) {
+    std::uint32_t end = i + 1;
+    while (end < slot_count && sorted[end].low == sorted[i].low && sorted[end].high == sorted[i].high) ++end;
+    NMC_CHECK_STREAM(end - i <= 2, "4.4", "an edge of the base mesh has more than two faces");
+    if (end - i == 2) {
+      const std::uint32_t s = sorted[i].slot, t = sorted[i + 1].slot;
+      NMC_CHECK_STREAM(corners[3 * (s / 3) + (s % 3 + 1) % 3] != corners[3 * (t / 3) + (t % 3 + 1) % 3], "4.4",
+                       "two faces of the base mesh disagree in orientation");
+      partner[s] = t;
+      partner[t] = s;
+    }
+    i = end;
+  }
+  if (!topology.face_edges.assign(slot_count, kNone)) return no_memory();
+  topology.edge_vertices.clear();
+  topology.edge_faces.clear();
+  std::uint32_t edge_count = 0;
+  for (std::uint32_t slot = 0; slot < slot_count; ++slot) {
+    if (topology.face_edges[slot] != kNone) continue;
+    const std::uint32_t face = slot / 3, k = slot % 3, other = partner[slot];
+    topology.face_edges[slot] = edge_count;
+    if (other != kNone) topology.face_edges[other] = edge_count;
+    if (!topology.edge_vertices.push_back(corners[3 * face + (k + 1) % 3]) ||
+        !topology.edge_vertices.push_back(corners[3 * face + (k + 2) % 3]) ||
+        !topology.edge_faces.push_back(face) ||
+        !topology.edge_faces.push_back(other == kNone ? kNone : other / 3)) {
+      return no_memory();
+    }
+    ++edge_count;
+  }
+  topology.edge_count = edge_count;
+  return ok_status();
+}
+
+/// One umbrella per vertex: walking from one face around the vertex must meet all of its faces.
+Status check_umbrellas(const LevelTopology& topology, Memory* memory) {
+  Array<std::uint32_t> valence(memory), first_face(memory);
+  if (!valence.resize(topology.vertex_count) || !first_face.assign(topology.vertex_count, kNone)) {
+    return no_memory();
+  }
+  for (std::uint32_t face = 0; face < topology.face_count; ++face) {
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t v = topology.face_vertices[3 * face + k];
+      ++valence[v];
+      if (first_face[v] == kNone) first_face[v] = face;
+    }
+  }
+  for (std::uint32_t v = 0; v < topology.vertex_count; ++v) {
+    NMC_CHECK_STREAM(valence[v] > 0, "4.4", "a vertex of the base mesh has no face");
+    NMC_CHECK_STREAM(valence[v] <= kMaximumValence, "8", "a vertex of the base mesh has too many faces");
+    std::uint32_t seen = 0;
+    // Two walks, over the edge after and the edge before the corner; a closed umbrella ends within the first.
+    for (int turn = 1; turn <= 2; ++turn) {
+      std::uint32_t face = first_face[v];
+      while (true) {
+        if (turn == 1 || face != first_face[v]) ++seen;
+        if (seen > valence[v]) break;
+        const std::uint32_t* corners = topology.face_vertices.data() + std::size_t{3} * face;
+        const int k = corners[0] == v ? 0 : corners[1] == v ? 1 : 2;
+        const std::uint32_t edge = topology.face_edges[3 * face + (k + turn) % 3];
+        const std::uint32_t left = topology.edge_faces[2 * edge], right = topology.edge_faces[2 * edge + 1];
+        face = left == face ? right : left;
+        if (face == kNone || face == first_face[v]) break;
+      }
+      if (face == first_face[v]) break;
+    }
+    NMC_CHECK_STREAM(seen == valence[v], "4.4", "the faces around a vertex of the base mesh are not connected");
+  }
+  return ok_status();
+}
+
+void add_curve_edge(std::uint32_t vertex, std::uint32_t edge, LevelTopology& topology) {
+  std::uint32_t* slots = topology.vertex_curve_edges.data() + std::size_t{2} * vertex;
+  if (slots[0] == kNone)
+    slots[0] = edge;
+  else if (slots[1] == kNone)
+    slots[1] = edge;
+  else
+    slots[1] = slots[0];
+}
+
+}  // namespace
+
+Status build_base_topology(const std::uint32_t* face_vertices, std::uint32_t face_count, std::uint32_t vertex_count,
+                           Memory* memory, LevelTopology& topology) {
+  if (face_count > kNone / 4 || vertex_count > kNone / 4) {
+    return {StatusCode::kLimit, "8", "the base mesh is too large"};
+  }
+  topology.vertex_count = vertex_count;
+  topology.base_vertex_count = vertex_count;
+  topology.face_count = face_count;
+  if (!topology.face_vertices.resize(std::size_t{3} * face_count)) return no_memory();
+  for (std::uint32_t face = 0; face < face_count; ++face) {
+    const std::uint32_t* v = face_vertices + std::size_t{3} * face;
+    NMC_CHECK_STREAM(v[0] < vertex_count && v[1] < vertex_count && v[2] < vertex_count, "4.4",
+                     "a face of the base mesh names a vertex that does not exist");
+    NMC_CHECK_STREAM(v[0] != v[1] && v[1] != v[2] && v[2] != v[0], "4.4",
+                     "a face of the base mesh has two equal corners");
+    for (int k = 0; k < 3; ++k) topology.face_vertices[3 * face + k] = v[k];
+  }
+  NMC_TRY(number_base_edges(topology, memory));
+  NMC_TRY(check_umbrellas(topology, memory));
+  return set_creases(nullptr, topology);
+}
+
+Status set_creases(const std::uint8_t* is_crease, LevelTopology& topology) {
+  bool any = false;
+  for (std::uint32_t e = 0; e < topology.edge_count && !any; ++e)
+    any = topology.is_boundary(e) || (is_crease && is_crease[e]);
+  topology.edge_is_curve.clear();
+  topology.vertex_curve_edges.clear();
+  if (!any) return ok_status();
+  if (!topology.edge_is_curve.resize(topology.edge_count) ||
+      !topology.vertex_curve_edges.assign(std::size_t{2} * topology.vertex_count, kNone)) {
+    return no_memory();
+  }
+  for (std::uint32_t e = 0; e < topology.edge_count; ++e) {
+    if (!topology.is_boundary(e) && !(is_crease && is_crease[e])) continue;
+    topology.edge_is_curve[e] = 1;
+    add_curve_edge(topology.edge_vertices[2 * e], e, topology);
+    add_curve_edge(topology.edge_vertices[2 * e + 1], e, topology);
+  }
+  return ok_status();
+}
+
+Status subdivide(const LevelTopology& coarse, bool faces_only, LevelTopology& fine) {
+  const std::uint32_t V = coarse.vertex_count, E = coarse.edge_count, F = coarse.face_count;
+  if (F > kNone / 16 || E > kNone / 16 || V > kNone / 2 - E) {
+    return {StatusCode::kLimit, "8", "the level has too many vertices"};
+  }
+  fine.vertex_count = V + E;
+  fine.edge_count = 2 * E + 3 * F;
+  fine.face_count = 4 * F;
+  fine.base_vertex_count = coarse.base_vertex_count;
+  if (!fine.face_vertices.resize(std::size_t{12} * F)) return no_memory();
+  for (std::uint32_t f = 0; f < F; ++f) {
+    const std::uint32_t* v = coarse.face_vertices.data() + std::size_t{3} * f;
+    const std::uint32_t* e = coarse.face_edges.data() + std::size_t{3} * f;
+    const std::uint32_t m0 = V + e[0], m1 = V + e[1], m2 = V + e[2];
+    const std::uint32_t children[12] = {v[0], m2, m1, m2, v[1], m0, m1, m0, v[2], m0, m1, m2};
+    std::memcpy(fine.face_vertices.data() + std::size_t{12} * f, children, sizeof children);
+  }
+  if (faces_only) return ok_status();
+
+  if (!fine.face_edges.resize(std::size_t{12} * F) || !fine.edge_vertices.resize(std::size_t{2} * fine.edge_count) ||
+      !fine.edge_faces.resize(std::size_t{2} * fine.edge_count)) {
+    return no_memory();
+  }
+  for (std::uint32_t e = 0; e < E; ++e) {
+    const std::uint32_t a = coarse.edge_vertices[2 * e], b = coarse.edge_vertices[2 * e + 1], m = V + e;
+    std::uint32_t* vertices = fine.edge_vertices.data() + std::size_t{4} * e;
+    vertices[0] = a;
+    vertices[1] = m;
+    vertices[2] = m;
+    vertices[3] = b;
+    std::uint32_t* faces = fine.edge_faces.data() + std::size_t{4} * e;
+    for (int side = 0; side < 2; ++side) {
+      const std::uint32_t f = coarse.edge_faces[2 * e + side];
+      for (int half = 0; half < 2; ++half) {
+        std::uint32_t child = kNone;
+        if (f != kNone) {
+          const std::uint32_t* v = coarse.face_vertices.data() + std::size_t{3} * f;
+          const std::uint32_t end = half == 0 ? a : b;
+          child = 4 * f + (v[0] == end ? 0u : v[1] == end ? 1u : 2u);
+        }
+        faces[2 * half + side] = child;
+      }
+    }
+  }
+  for (std::uint32_t f = 0; f < F; ++f) {
+    const std::uint32_t* v = coarse.face_vertices.data() + std::size_t{3} * f;
+    const std::uint32_t* e = coarse.face_edges.data() + std::size_t{3} * f;
+    std::uint32_t inner[3], half[3][2];  // half[k][0]: the half of edge k at corner k+1, half[k][1]: at corner k+2
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      inner[k] = 2 * E + 3 * f + k;
+      fine.edge_vertices[2 * inner[k]] = V + e[(k + 1) % 3];
+      fine.edge_vertices[2 * inner[k] + 1] = V + e[(k + 2) % 3];
+      fine.edge_faces[2 * inner[k]] = 4 * f + 3;
+      fine.edge_faces[2 * inner[k] + 1] = 4 * f + k;
+      const std::uint32_t flipped = coarse.edge_vertices[2 * e[k]] == v[(k + 1) % 3] ? 0u : 1u;
+      half[k][0] = 2 * e[k] + flipped;
+      half[k][1] = 2 * e[k] + 1 - flipped;
+    }
+    // Child k has, opposite to its corners 0..2 as listed at the top of subdivision.h:
+    const std::uint32_t edges[12] = {inner[0],   half[1][1], half[2][0],   // 4f+0: (v0, m2, m1)
+                                     half[0][0], inner[1],   half[2][1],   // 4f+1: (m2, v1, m0)
+                                     half[0][1], half[1][0], inner[2],     // 4f+2: (m1, m0, v2)
+                                     inner[0],   inner[1],   inner[2]};    // 4f+3: (m0, m1, m2)
+    std::memcpy(fine.face_edges.data() + std::size_t{12} * f, edges, sizeof edges);
+  }
+
+  fine.edge_is_curve.clear();
+  fine.vertex_curve_edges.clear();
+  if (!coarse.has_curves()) return ok_status();
+  if (!fine.edge_is_curve.resize(fine.edge_count) ||
+      !fine.vertex_curve_edges.assign(std::size_t{2} * fine.vertex_count, kNone)) {
+    return no_memory();
+  }
+  for (std::uint32_t e = 0; e < E; ++e) {
+    if (!coarse.edge_is_curve[e]) continue;
+    fine.edge_is_curve[2 * e] = fine.edge_is_curve[2 * e + 1] = 1;
+    fine.vertex_curve_edges[2 * (V + e)] = 2 * e;
+    fine.vertex_curve_edges[2 * (V + e) + 1] = 2 * e + 1;
+  }
+  for (std::uint32_t v = 0; v < V; ++v) {
+    for (int k = 0; k < 2; ++k) {
+      const std::uint32_t e = coarse.vertex_curve_edges[2 * v + k];
+      if (e != kNone) fine.vertex_curve_edges[2 * v + k] = 2 * e + (coarse.edge_vertices[2 * e] == v ? 0u : 1u);
+    }
+  }
+  return ok_status();
+}
+
+}  // namespace nmc
