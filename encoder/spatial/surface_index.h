@@ -2,7 +2,8 @@
 // Rays and closest points on a triangle mesh. Embree proposes triangles, double precision decides.
 //
 // Embree works in single precision and its kernels differ between processors, so its answer is only a set of
-// candidate triangles: every candidate is recomputed here in double, and ties go to the lowest triangle index.
+// candidate triangles: every candidate is recomputed here in double, and ties go to the lowest triangle
+// index.
 #ifndef NMC_ENCODER_SPATIAL_SURFACE_INDEX_H_
 #define NMC_ENCODER_SPATIAL_SURFACE_INDEX_H_
 
@@ -19,10 +20,10 @@ inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 
 /// Where a ray or a closest-point query meets a triangle.
 struct SurfacePoint {
-  std::uint32_t triangle = kNoTriangle;       // kNoTriangle: nothing found
-  double barycentric[3] = {0, 0, 0};          // >= 0, sum 1, of the triangle's corners in order
-  Vec3 position;                              // the point itself
-  double t = 0;                               // rays: parameter along the direction; closest point: distance
+  std::uint32_t triangle = kNoTriangle;  // kNoTriangle: nothing found
+  double barycentric[3] = {0, 0, 0};     // >= 0, sum 1, of the triangle's corners in order
+  Vec3 position;                         // the point itself
+  double t = 0;                          // rays: parameter along the direction; closest point: distance
   bool found() const { return triangle != kNoTriangle; }
 };
 
@@ -37,10 +38,10 @@ class SurfaceIndex {
   SurfaceIndex& operator=(SurfaceIndex&&) noexcept;
 
   /// All intersections of origin + t * direction with t in [t_minimum, t_maximum], sorted by t, at most
-  /// `maximum_count`; hits on a shared edge or vertex are merged to one (lowest triangle index). `direction` need
-  /// not be of unit length and t is in units of it. Both sides of a triangle count.
-  void all_hits(const Vec3& origin, const Vec3& direction, double t_minimum, double t_maximum, int maximum_count,
-                std::vector<SurfacePoint>& hits) const;
+  /// `maximum_count`; hits on a shared edge or vertex are merged to one (lowest triangle index). `direction`
+  /// need not be of unit length and t is in units of it. Both sides of a triangle count.
+  void all_hits(const Vec3& origin, const Vec3& direction, double t_minimum, double t_maximum,
+                int maximum_count, std::vector<SurfacePoint>& hits) const;
 
   /// The nearest of them.
   SurfacePoint first_hit(const Vec3& origin, const Vec3& direction, double t_minimum, double t_maximum) const;
