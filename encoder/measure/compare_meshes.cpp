@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "encoder/measure/compare_meshes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "encoder/core/error.h"
+#include "encoder/core/parallel.h"
+#include "encoder/measure/area_samples.h"
+#include "encoder/measure/mpeg_point_metric.h"
+
+namespace nmc {
+namespace {
+
+// Points of one block are visited in order so that each starts from the previous one's distance.
+constexpr std::size_t kPointsPerBlock = 1024;
+
+double degrees_between(const Vec3& a, const Vec3& b) {
+  return std::atan2(norm(cross(a, b)), dot(a, b)) * (180 / std::numbers::pi);
+}
+
+Vec3 scaled_normal(const std::vector<Vec3>& positions, const Triangle& triangle) {
+  const Vec3& a = positions[triangle[0]];
+  return cross(positions[triangle[1]] - a, positions[triangle[2]] - a);
+}
+
+struct Rgb {
+  double channel[3];
+  double luma() const { return 0.2126 * channel[0] + 0.7152 * channel[1] + 0.0722 * channel[2]; }
+};
+
+Rgb interpolated_color(const TriangleMesh& mesh, std::uint32_t triangle, const double barycentric[3]) {
+  Rgb color{};
+  for (int corner = 0; corner < 3; ++corner) {
+    const auto& at_corner = mesh.colors[mesh.triangles[triangle][corner]];
+    for (int i = 0; i < 3; ++i) color.channel[i] += barycentric[corner] * at_corner[i];
+  }
+  return color;
+}
+
+// Nearest points for a walk along a surface: the previous answer bounds the next one by the triangle
+// inequality, so the search starts with a small sphere. The answer itself does not depend on the bound.
+class ClosestPointWalk {
+ public:
+  explicit ClosestPointWalk(const SurfaceIndex& index) : index_(index) {}
+
+  SurfacePoint step(const Vec3& point) {
+    SurfacePoint nearest;
+    if (last_.found()) {
+      const double bound = distance(point, last_.position) * (1 + 1e-9);
+      nearest = index_.closest_point(point, bound);
+    }
+    if (!nearest.found()) nearest = index_.closest_point(point);
+    last_ = nearest;
+    return nearest;
+  }
+
+ private:
+  const SurfaceIndex& index_;
+  SurfacePoint last_;
+};
+
+struct Sums {
+  double distance_squared = 0, distance = 0;
+  double maximum = -1;
+  Vec3 maximum_at;
+  double angle = 0, angle_squared = 0;
+  std::size_t angle_count = 0;
+  double luma_squared = 0, rgb_squared = 0;
+
+  void note_maximum(double value, const Vec3& at) {
+    if (value <= maximum) return;
+    maximum = value;
+    maximum_at = at;
+  }
+  void add_color(const Rgb& a, const Rgb& b) {
+    const double luma = a.luma() - b.luma();
+    luma_squared += luma * luma;
+    for (int i = 0; i < 3; ++i) {
+      const double difference = a.channel[i] - b.channel[i];
+      rgb_squared += difference * difference / 3;
+    }
+  }
+  Sums& operator+=(const Sums& other) {
+    distance_squared += other.distance_squared;
+    distance += other.distance;
+    note_maximum(other.maximum, other.maximum_at);
+    angle += other.angle;
+    angle_squared += other.angle_squared;
+    angle_count += other.angle_count;
+    luma_squared += other.luma_squared;
+    rgb_squared += other.rgb_squared;
+    return *this;
+  }
+};
+
+std::vector<std::uint32_t> used_vertices(const TriangleMesh& mesh) {
+  std::vector<std::uint8_t> used(mesh.vertex_count(), 0);
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) used[corner] = 1;
+  }
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < used.size(); ++v) {
+    if (used[v] != 0) vertices.push_back(v);
+  }
+  return vertices;
+}
+
+OneSidedDistance one_sided(const TriangleMesh& source, const TriangleMesh& target,
+                           const SurfaceIndex& target_index, const CompareOptions& options) {
+  const bool colors = options.colors && !source.colors.empty() && !target.colors.empty();
+  const std::size_t asked = options.sample_count != 0
+                                ? options.sample_count
+                                : std::max<std::size_t>(200'000, 2 * source.triangle_count());
+  const AreaSamples samples(source.positions, source.triangles, asked);
+  Sums sums =
+      parallel_block_sum<Sums>(samples.size(), kPointsPerBlock, [&](std::size_t begin, std::size_t end) {
+        Sums block;
+        ClosestPointWalk walk(target_index);
+        for (std::size_t i = begin; i < end; ++i) {
+          const AreaSample sample = samples[i];
+          const SurfacePoint nearest = walk.step(sample.position);
+          block.distance_squared += nearest.t * nearest.t;
+          block.distance += nearest.t;
+          block.note_maximum(nearest.t, sample.position);
+          if (options.normals) {
+            const Vec3 from = scaled_normal(source.positions, source.triangles[sample.triangle]);
+            const Vec3 to = scaled_normal(target.positions, target.triangles[nearest.triangle]);
+            if (from != Vec3{} && to != Vec3{}) {
+              const double angle = degrees_between(from, to);
+              block.angle += angle;
+              block.angle_squared += angle * angle;
+              ++block.angle_count;
+            }
+          }
+          if (colors) {
+            block.add_color(interpolated_color(source, sample.triangle, sample.barycentric),
+                            interpolated_color(target, nearest.triangle, nearest.barycentric));
+          }
+        }
+        return block;
+      });
+
+  OneSidedDistance side;
+  side.sample_count = samples.size();
+  Sums vertex_sums;
+  if (options.vertices || samples.size() == 0) {
+    const std::vector<std::uint32_t> vertices = used_vertices(source);
+    side.vertex_count = vertices.size();
+    vertex_sums =
+        parallel_block_sum<Sums>(vertices.size(), kPointsPerBlock, [&](std::size_t begin, std::size_t end) {
+          Sums block;
+          ClosestPointWalk walk(target_index);
+          for (std::size_t i = begin; i < end; ++i) {
+            const Vec3& point = source.positions[vertices[i]];
+            const double gap = walk.step(point).t;
+            block.distance_squared += gap * gap;
+            block.distance += gap;
+            block.note_maximum(gap, point);
+          }
+          return block;
+        });
+    sums.note_maximum(vertex_sums.maximum, vertex_sums.maximum_at);
+  }
+
+  const bool has_area = samples.size() != 0;
+  const Sums& means = has_area ? sums : vertex_sums;
+  const double count = static_cast<double>(has_area ? samples.size() : side.vertex_count);
+  side.rms = std::sqrt(means.distance_squared / count);
+  side.mean = means.distance / count;
+  side.maximum = sums.maximum;
+  side.maximum_at = sums.maximum_at;
+  if (sums.angle_count != 0) {
+    side.normal_mean_degrees = sums.angle / static_cast<double>(sums.angle_count);
+    side.normal_rms_degrees = std::sqrt(sums.angle_squared / static_cast<double>(sums.angle_count));
+  }
+  if (colors && has_area) {
+    side.luma_mean_squared = sums.luma_squared / count;
+    side.rgb_mean_squared = sums.rgb_squared / count;
+  }
+  return side;
+}
+
+// Mean and RMS of (180 - angle) from those of the angle.
+void turn_normals(OneSidedDistance& side) {
+  const double mean = side.normal_mean_degrees, rms = side.normal_rms_degrees;
+  side.normal_mean_degrees = 180 - mean;
+  side.normal_rms_degrees = std::sqrt(std::max(0.0, 180.0 * 180.0 - 360.0 * mean + rms * rms));
+}
+
+// A volume exists independently of the origin exactly when the triangles' area vectors cancel out.
+std::optional<double> enclosed_volume(const TriangleMesh& mesh) {
+  const Vec3 origin = bounding_box(mesh).center();
+  struct Terms {
+    Vec3 area_vector;
+    double area = 0, volume = 0;
+    Terms& operator+=(const Terms& other) {
+      area_vector += other.area_vector;
+      area += other.area;
+      volume += other.volume;
+      return *this;
+    }
+  };
+  const Terms total = parallel_sum<Terms>(mesh.triangle_count(), [&](std::size_t t) {
+    const Vec3 a = mesh.positions[mesh.triangles[t][0]] - origin;
+    const Vec3 b = mesh.positions[mesh.triangles[t][1]] - origin;
+    const Vec3 c = mesh.positions[mesh.triangles[t][2]] - origin;
+    const Vec3 area_vector = 0.5 * cross(b - a, c - a);
+    return Terms{area_vector, norm(area_vector), dot(a, cross(b, c)) / 6};
+  });
+  if (norm(total.area_vector) > 1e-9 * total.area) return std::nullopt;
+  return total.volume;
+}
+
+std::optional<double> color_psnr(bool measured, double mean_squared) {
+  if (!measured) return std::nullopt;
+  return 10 * std::log10(255.0 * 255.0 / mean_squared);
+}
+
+}  // namespace
+
+double CompareResult::psnr_db() const { return 20 * std::log10(diagonal / rms); }
+
+CompareResult compare_meshes(const TriangleMesh& original, const TriangleMesh& result,
+                             const CompareOptions& options) {
+  if (original.triangles.empty())
+    throw Error(ExitCode::kInvalidInput, "the original has no triangles to measure");
+  if (result.triangles.empty())
+    throw Error(ExitCode::kInvalidInput, "the result has no triangles to measure");
+
+  CompareResult comparison;
+  comparison.diagonal = bounding_box(original).diagonal();
+  OneSidedDistance& forward = comparison.original_to_result;
+  OneSidedDistance& backward = comparison.result_to_original;
+  if (options.original_to_result) forward = one_sided(original, result, SurfaceIndex(result), options);
+  if (options.result_to_original) {
+    std::optional<SurfaceIndex> own_index;
+    if (options.original_index == nullptr) own_index.emplace(original);
+    backward = one_sided(result, original, own_index ? *own_index : *options.original_index, options);
+  }
+
+  const double mean_angle = std::max(forward.normal_mean_degrees, backward.normal_mean_degrees);
+  comparison.orientation_reversed = mean_angle > 90;
+  if (comparison.orientation_reversed) {
+    if (options.original_to_result) turn_normals(forward);
+    if (options.result_to_original) turn_normals(backward);
+  }
+  comparison.rms = std::max(forward.rms, backward.rms);
+  comparison.mean = std::max(forward.mean, backward.mean);
+  comparison.maximum = std::max(forward.maximum, backward.maximum);
+  comparison.normal_mean_degrees = std::max(forward.normal_mean_degrees, backward.normal_mean_degrees);
+  comparison.normal_rms_degrees = std::max(forward.normal_rms_degrees, backward.normal_rms_degrees);
+  comparison.original_volume = enclosed_volume(original);
+  comparison.result_volume = enclosed_volume(result);
+  const bool colors = options.colors && !original.colors.empty() && !result.colors.empty();
+  comparison.luma_psnr_db =
+      color_psnr(colors, std::max(forward.luma_mean_squared, backward.luma_mean_squared));
+  comparison.rgb_psnr_db = color_psnr(colors, std::max(forward.rgb_mean_squared, backward.rgb_mean_squared));
+  if (options.mpeg_grid > 0) comparison.mpeg = mpeg_point_metric(original, result, options.mpeg_grid);
+  return comparison;
+}
+
+std::vector<double> vertex_distances(const TriangleMesh& mesh, const SurfaceIndex& index) {
+  std::vector<double> distances(mesh.vertex_count());
+  parallel_for(mesh.vertex_count(),
+               [&](std::size_t v) { distances[v] = index.closest_point(mesh.positions[v]).t; });
+  return distances;
+}
+
+}  // namespace nmc
