@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "encoder/fit/reproject_samples.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "encoder/core/parallel.h"
+
+namespace nmc {
+
+ReprojectionResult reproject_samples(const InputSurface& input, const LevelTopology& finest,
+                                     const std::vector<Vec3>& positions, const ReprojectionOptions& options,
+                                     std::vector<SurfaceSample>& samples) {
+  struct Tally {
+    std::size_t moved = 0, kept = 0;
+    double distance = 0;
+    Tally& operator+=(const Tally& t) {
+      moved += t.moved;
+      kept += t.kept;
+      distance += t.distance;
+      return *this;
+    }
+  };
+  const std::size_t stride = options.stride > 1 ? static_cast<std::size_t>(options.stride) : 1;
+  const std::size_t count = (samples.size() + stride - 1) / stride;
+  const Tally tally = parallel_sum<Tally>(count, [&](std::size_t i) {
+    SurfaceSample& sample = samples[stride * i];
+    const std::uint32_t* corners = finest.face_vertices.data() + std::size_t{3} * sample.face;
+    Vec3 y;
+    for (int k = 0; k < 3; ++k) y += static_cast<double>(sample.barycentric[k]) * positions[corners[k]];
+    const double present = distance(y, sample.target);
+    const SurfacePoint hit = input.index.closest_point(y, present * (1 + 1e-9));
+    if (!hit.found()) return Tally{0, 1, 0};
+    const Triangle& t = input.index.triangles()[hit.triangle];
+    Vec3 normal;
+    for (std::size_t k = 0; k < 3; ++k) normal += hit.barycentric[k] * input.vertex_normals[t[k]];
+    normal = normalized(normal, sample.normal);
+    if (dot(normal, sample.normal) < options.minimum_normal_cosine) return Tally{0, 1, 0};
+    const double move = distance(hit.position, sample.target);
+    sample.target = hit.position;
+    sample.normal = normal;
+    return Tally{1, 0, move};
+  });
+  return {tally.moved, tally.kept, tally.moved ? tally.distance / static_cast<double>(tally.moved) : 0};
+}
+
+std::vector<SurfaceSample> samples_on_next_level(const std::vector<SurfaceSample>& samples) {
+  std::vector<SurfaceSample> result = samples;
+  parallel_for(result.size(), [&](std::size_t i) {
+    SurfaceSample& s = result[i];
+    float* b = s.barycentric;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      if (b[k] < 0.5f) continue;
+      // Child k keeps corner k; its other corners are the midpoints of the two edges there.
+      s.face = 4 * s.face + k;
+      for (std::uint32_t j = 0; j < 3; ++j) b[j] = j == k ? 2 * b[j] - 1 : 2 * b[j];
+      return;
+    }
+    s.face = 4 * s.face + 3;  // corners are the midpoints opposite to the corners
+    for (int j = 0; j < 3; ++j) b[j] = 1 - 2 * b[j];
+  });
+  return result;
+}
+
+}  // namespace nmc
