@@ -18,6 +18,8 @@ struct Side {
   std::uint8_t k;
 };
 
+constexpr int kMaximumWalk = 64;
+
 std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
   return (static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b);
 }
@@ -238,28 +240,60 @@ DomainPoint BaseDomain::normalize(std::uint32_t f, const ChartPoint& p) const {
   ChartPoint at = snap_to_grid(p);
   // A point of the surface moves by less than a few faces at a time; the bound only guards against a walk
   // that circles a cone for ever.
-  for (int step = 0; step < 64; ++step) {
+  for (int step = 0; step < kMaximumWalk; ++step) {
     const double b[3] = {(1.0 - at.u) - at.v, at.u, at.v};
-    int order[3] = {0, 1, 2};
-    std::sort(order, order + 3, [&b](int i, int j) { return b[i] < b[j] || (b[i] == b[j] && i < j); });
-    if (b[order[0]] >= 0) return {f, at};
     int exit = -1;
-    for (const int k : order)
-      if (b[k] < 0 && neighbors_[f][k] != kNoFace) {
-        exit = k;
-        break;
-      }
+    for (int k = 0; k < 3; ++k)
+      if (b[k] < 0 && neighbors_[f][k] != kNoFace && (exit < 0 || b[k] < b[exit])) exit = k;
     if (exit < 0) break;
+    const int entry = side_towards(neighbors_[f][exit], f, exit);
     const std::uint32_t next = neighbors_[f][exit];
-    for (int j = 0; j < 3; ++j)
-      if (neighbors_[next][j] == f && faces_[next][(j + 1) % 3] == faces_[f][(exit + 2) % 3]) {
-        at = hinges_[next][j](at);
-        break;
-      }
+    at = hinges_[next][entry](at);
     f = next;
   }
-  // Outside the boundary: drop the negative coordinates and keep the proportion of the others.
+  return clamp_to_face(f, at);
+}
+
+DomainPoint BaseDomain::walk(std::uint32_t f, const ChartPoint& start, const ChartPoint& target,
+                             ChartMap* to_start) const {
+  ChartPoint from = start, at = snap_to_grid(target);
+  ChartMap back;
+  int entry = -1;
+  for (int step = 0; step < kMaximumWalk; ++step) {
+    const double b[3] = {(1.0 - at.u) - at.v, at.u, at.v};
+    const double a[3] = {(1.0 - from.u) - from.v, from.u, from.v};
+    int exit = -1;
+    double first = 0;
+    for (int k = 0; k < 3; ++k) {
+      if (k == entry || b[k] >= 0) continue;
+      const double crossing = a[k] / (a[k] - b[k]);
+      if (exit < 0 || crossing < first) {
+        exit = k;
+        first = crossing;
+      }
+    }
+    if (exit < 0 || neighbors_[f][exit] == kNoFace) break;
+    const std::uint32_t next = neighbors_[f][exit];
+    back = compose(back, hinges_[f][exit]);
+    entry = side_towards(next, f, exit);
+    at = hinges_[next][entry](at);
+    from = hinges_[next][entry](from);
+    f = next;
+  }
+  back.hops = 0;
+  if (to_start) *to_start = back;
+  return clamp_to_face(f, at);
+}
+
+int BaseDomain::side_towards(std::uint32_t from, std::uint32_t to, int side) const {
+  for (int j = 0; j < 3; ++j)
+    if (neighbors_[from][j] == to && faces_[from][(j + 1) % 3] == faces_[to][(side + 2) % 3]) return j;
+  return 0;
+}
+
+DomainPoint BaseDomain::clamp_to_face(std::uint32_t f, ChartPoint at) {
   double b[3] = {(1.0 - at.u) - at.v, at.u, at.v};
+  if (b[0] >= 0 && b[1] >= 0 && b[2] >= 0) return {f, at};
   for (double& x : b) x = std::max(0.0, x);
   const double sum = b[0] + b[1] + b[2];
   at = snap_to_grid({b[1] / sum, b[2] / sum});

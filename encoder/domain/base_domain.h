@@ -187,6 +187,12 @@ class BaseDomain {
   /// most negative barycentric coordinate.
   DomainPoint normalize(std::uint32_t f, const ChartPoint& p) const;
 
+  /// Like normalize(), but along the straight segment from `start` (a point of face f that is not a cone) to
+  /// `target`, both in the chart of f, so that cones beside the segment are passed on the right side.
+  /// `to_start` receives the map from the chart of the result's face to the chart of f.
+  DomainPoint walk(std::uint32_t f, const ChartPoint& start, const ChartPoint& target,
+                   ChartMap* to_start) const;
+
   /// The face whose chart sees all points with the fewest hops in total (ties: the lowest position in
   /// `points`, then the ring order around a cone), or kNoFace. Cones are seen from the side of the other
   /// points, so a triangle with a corner at a cone unfolds on its own side of it. O(points^2).
@@ -198,6 +204,10 @@ class BaseDomain {
                                                const DomainPoint& c) const;
 
  private:
+  /// The side of face `from` that leads to face `to` through side `side` of the latter.
+  int side_towards(std::uint32_t from, std::uint32_t to, int side) const;
+  /// Drops negative barycentric coordinates and keeps the proportion of the others.
+  static DomainPoint clamp_to_face(std::uint32_t f, ChartPoint at);
   void connect(std::size_t vertex_count, const std::vector<std::array<std::uint32_t, 2>>& crease_edges);
   void build_rings(std::size_t vertex_count);
   void label_components();
