@@ -7,6 +7,7 @@
 #define NMC_BENCH_PEERS_PEER_H_
 
 #include <cstddef>
+#include <memory>
 #include <string>
 
 #include "encoder/core/triangle_mesh.h"
@@ -53,11 +54,13 @@ class MeshoptSimplifier final : public Simplifier {
 
 class OpenMeshSimplifier final : public Simplifier {
  public:
-  explicit OpenMeshSimplifier(const TriangleMesh& mesh) : mesh_(mesh) {}
+  explicit OpenMeshSimplifier(const TriangleMesh& mesh);
+  ~OpenMeshSimplifier() override;
   TriangleMesh simplify(std::size_t triangle_count) override;
 
  private:
-  const TriangleMesh& mesh_;
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 #ifdef NMC_BENCH_GPL
@@ -71,7 +74,7 @@ class LindstromTurkSimplifier final : public Simplifier {
 
  private:
   struct State;
-  State* state_;
+  std::unique_ptr<State> state_;
 };
 #endif
 

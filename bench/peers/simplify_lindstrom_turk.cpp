@@ -25,7 +25,8 @@ struct LindstromTurkSimplifier::State {
   SurfaceMesh mesh;
 };
 
-LindstromTurkSimplifier::LindstromTurkSimplifier(const TriangleMesh& mesh) : state_(new State) {
+LindstromTurkSimplifier::LindstromTurkSimplifier(const TriangleMesh& mesh)
+    : state_(std::make_unique<State>()) {
   std::vector<Kernel::Point_3> points;
   for (const Vec3& p : mesh.positions) points.emplace_back(p.x, p.y, p.z);
   std::vector<std::vector<std::size_t>> faces;
@@ -35,7 +36,7 @@ LindstromTurkSimplifier::LindstromTurkSimplifier(const TriangleMesh& mesh) : sta
   polygons::polygon_soup_to_polygon_mesh(points, faces, state_->mesh);
 }
 
-LindstromTurkSimplifier::~LindstromTurkSimplifier() { delete state_; }
+LindstromTurkSimplifier::~LindstromTurkSimplifier() = default;
 
 TriangleMesh LindstromTurkSimplifier::simplify(std::size_t triangle_count) {
   SurfaceMesh& mesh = state_->mesh;
