@@ -18,7 +18,7 @@ struct FaceVerdict {
   bool folded_parent = false;
 };
 
-FaceVerdict judge_face(const ParameterizedSurface& map, const LevelTopology& topology,
+FaceVerdict judge_face(const ParameterizedSurface& map, const LevelTopology& topology, int level,
                        std::span<const SurfaceParameter> parameters, double least_child_area,
                        const std::vector<OddVertexChoice>& choices, std::uint32_t face) {
   FaceVerdict verdict;
@@ -27,7 +27,7 @@ FaceVerdict judge_face(const ParameterizedSurface& map, const LevelTopology& top
   const SurfaceParameter corners[3] = {parameters[v[0]], parameters[v[1]], parameters[v[2]]};
   LocalChart chart;
   ChartPoint q[3], m[3];
-  bool laid_out = map.make_chart(corners, chart, q);
+  bool laid_out = map.make_chart(face >> (2 * level), corners, chart, q);
   const double parent = laid_out ? face_ratio(q[0], q[1], q[2]) : 0;
   if (!(parent > 0)) {
     verdict.folded_parent = true;
@@ -55,7 +55,7 @@ FaceVerdict judge_face(const ParameterizedSurface& map, const LevelTopology& top
 
 }  // namespace
 
-FlipTestResult resolve_flips(const ParameterizedSurface& map, const LevelTopology& topology,
+FlipTestResult resolve_flips(const ParameterizedSurface& map, const LevelTopology& topology, int level,
                              std::span<const SurfaceParameter> parameters, double least_child_area,
                              std::vector<OddVertexChoice>& choices) {
   FlipTestResult result;
@@ -64,7 +64,7 @@ FlipTestResult resolve_flips(const ParameterizedSurface& map, const LevelTopolog
   for (int round = 0; round < kRoundLimit && !suspects.empty(); ++round) {
     std::vector<FaceVerdict> verdicts(suspects.size());
     parallel_for(suspects.size(), [&](std::size_t i) {
-      verdicts[i] = judge_face(map, topology, parameters, least_child_area, choices, suspects[i]);
+      verdicts[i] = judge_face(map, topology, level, parameters, least_child_area, choices, suspects[i]);
     });
     std::vector<std::uint32_t> demoted;
     for (const FaceVerdict& verdict : verdicts) {

@@ -29,7 +29,7 @@ struct FlipTestResult {
 /// in the domain. Of a face that fails, the vertex that lies farthest from its edge's midpoint is demoted one
 /// step. A face whose three vertices are all midpoints cannot fail: its children are four quarters.
 /// Deterministic: each round judges all faces on the same state. Parallel over faces.
-FlipTestResult resolve_flips(const ParameterizedSurface& map, const LevelTopology& topology,
+FlipTestResult resolve_flips(const ParameterizedSurface& map, const LevelTopology& topology, int level,
                              std::span<const SurfaceParameter> parameters, double least_child_area,
                              std::vector<OddVertexChoice>& choices);
 

@@ -57,7 +57,7 @@ OddVertexChoice pierce_surface(const Level& level, std::uint32_t edge, const Vec
   const Vec3& a = level.positions[level.topology.edge_vertices[2 * edge]];
   const Vec3& b = level.positions[level.topology.edge_vertices[2 * edge + 1]];
   OddVertexChoice choice;
-  const EdgeChart e = predict_parameter(level.map, level.topology, edge, level.parameters,
+  const EdgeChart e = predict_parameter(level.map, level.topology, level.number, edge, level.parameters,
                                         level.options.parameter_prediction);
   if (!e.valid) {
     choice.predicted = choice.midpoint = choice.parameter =
@@ -159,7 +159,8 @@ LevelInsertion insert_level(const ParameterizedSurface& map, const SurfaceIndex&
   statistics.vertex_count = topology.edge_count;
   for (const OddVertexChoice& choice : choices)
     statistics.missed_count += choice.source != OddVertexSource::kPierced;
-  const FlipTestResult flips = resolve_flips(map, topology, parameters, options.least_child_area, choices);
+  const FlipTestResult flips =
+      resolve_flips(map, topology, level_number, parameters, options.least_child_area, choices);
   statistics.flip_count = flips.demoted_count;
   statistics.folded_face_count = flips.folded_face_count;
   statistics.non_normal_count = statistics.missed_count + statistics.flip_count;

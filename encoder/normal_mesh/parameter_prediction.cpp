@@ -48,14 +48,14 @@ bool butterfly_correction(const ParameterizedSurface& map, const LevelTopology& 
 
 }  // namespace
 
-EdgeChart predict_parameter(const ParameterizedSurface& map, const LevelTopology& topology,
+EdgeChart predict_parameter(const ParameterizedSurface& map, const LevelTopology& topology, int level,
                             std::uint32_t edge, std::span<const SurfaceParameter> parameters,
                             ParameterPrediction prediction) {
   EdgeChart e;
   const SurfaceParameter ends[2] = {parameters[topology.edge_vertices[2 * edge]],
                                     parameters[topology.edge_vertices[2 * edge + 1]]};
   ChartPoint at[2];
-  if (!map.make_chart(ends, e.chart, at)) return e;
+  if (!map.make_chart(topology.edge_faces[2 * edge] >> (2 * level), ends, e.chart, at)) return e;
   e.valid = true;
   e.a = at[0];
   e.b = at[1];

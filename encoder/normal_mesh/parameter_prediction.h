@@ -26,10 +26,10 @@ struct EdgeChart {
   double half_length = 0;
 };
 
-/// `parameters` are those of the vertices of `topology`. The butterfly is used only where every triangle of
-/// its stencil unfolds counter-clockwise in one chart (so not around cones) and its answer stays within half
-/// of half_length of the midpoint. O(1).
-EdgeChart predict_parameter(const ParameterizedSurface& map, const LevelTopology& topology,
+/// `parameters` are those of the vertices of `topology`, which is that of `level`. The butterfly is used only
+/// where every triangle of its stencil unfolds counter-clockwise in one chart (so not around cones) and its
+/// answer stays within half of half_length of the midpoint. O(1).
+EdgeChart predict_parameter(const ParameterizedSurface& map, const LevelTopology& topology, int level,
                             std::uint32_t edge, std::span<const SurfaceParameter> parameters,
                             ParameterPrediction prediction);
 

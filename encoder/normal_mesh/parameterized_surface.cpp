@@ -53,35 +53,11 @@ SurfaceParameter DomainParameterizedSurface::parameter(const SurfaceLocation& lo
   return to_parameter(atlas_.domain_point(location));
 }
 
-bool DomainParameterizedSurface::make_chart(std::span<const SurfaceParameter> points, LocalChart& chart,
-                                            std::span<ChartPoint> at) const {
-  const BaseDomain& domain = parameterization_->domain;
-  DomainPoint p[3];
-  for (std::size_t i = 0; i < points.size(); ++i) p[i] = to_domain_point(points[i]);
-  chart.face = domain.common_chart({p, points.size()});
-  if (chart.face == kNoFace) return false;
-  ChartPoint center;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    at[i] = *domain.unfold(p[i], chart.face);
-    center = center + (1.0 / static_cast<double>(points.size())) * at[i];
-  }
-  // The chart of the centroid's own face sees everything around it over the fewest edges, so that next to a
-  // cone the other points of a query come from the right side. Taken only where it shows the same picture.
-  const std::uint32_t middle = domain.normalize(chart.face, center).face;
-  if (middle == chart.face) return true;
-  ChartPoint moved[3];
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto q = domain.unfold(p[i], middle);
-    if (!q) return true;
-    moved[i] = *q;
-  }
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const double before = squared_length(at[i] - at[0]), after = squared_length(moved[i] - moved[0]);
-    if (!(after <= before * (1 + 1e-9))) return true;
-  }
-  if (points.size() == 3 && !(face_ratio(moved[0], moved[1], moved[2]) > 0)) return true;
-  chart.face = middle;
-  for (std::size_t i = 0; i < points.size(); ++i) at[i] = moved[i];
+bool DomainParameterizedSurface::make_chart(std::uint32_t base_face, std::span<const SurfaceParameter> points,
+                                            LocalChart& chart, std::span<ChartPoint> at) const {
+  chart.face = base_face;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (!to_chart(chart, points[i], at[i])) return false;
   return true;
 }
 

@@ -48,10 +48,13 @@ class ParameterizedSurface {
   /// The parameter of a surface point.
   virtual SurfaceParameter parameter(const SurfaceLocation& location) const = 0;
 
-  /// Lays out `points` (two or three, the ends of an edge or the corners of a face) in one chart around their
-  /// centroid. False where they are too far apart.
-  virtual bool make_chart(std::span<const SurfaceParameter> points, LocalChart& chart,
-                          std::span<ChartPoint> at) const = 0;
+  /// Lays out `points` (two or three, the ends of an edge or the corners of a face) in one chart. `base_face`
+  /// is the ancestor of the edge or face in the base mesh: on a base domain its chart is taken, from which
+  /// every point that belongs to a descendant is at most a step or two away. (The shortest way between two
+  /// *points* may lead round the wrong side of a cone of few faces.) False where the points are too far
+  /// apart.
+  virtual bool make_chart(std::uint32_t base_face, std::span<const SurfaceParameter> points,
+                          LocalChart& chart, std::span<ChartPoint> at) const = 0;
   /// Coordinates in `chart`; false where the point is too far away.
   virtual bool to_chart(const LocalChart& chart, const SurfaceParameter& u, ChartPoint& at) const = 0;
   virtual bool to_chart(const LocalChart& chart, const SurfaceLocation& location, ChartPoint& at) const = 0;
@@ -94,7 +97,7 @@ class DomainParameterizedSurface : public ParameterizedSurface {
 
   SurfaceLocation locate(const SurfaceParameter& u) const override;
   SurfaceParameter parameter(const SurfaceLocation& location) const override;
-  bool make_chart(std::span<const SurfaceParameter> points, LocalChart& chart,
+  bool make_chart(std::uint32_t base_face, std::span<const SurfaceParameter> points, LocalChart& chart,
                   std::span<ChartPoint> at) const override;
   bool to_chart(const LocalChart& chart, const SurfaceParameter& u, ChartPoint& at) const override;
   bool to_chart(const LocalChart& chart, const SurfaceLocation& location, ChartPoint& at) const override;
