@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// The model of the coefficients: which decisions describe one level, and in which contexts (spec 5.3).
+//
+// One definition serves encoder, decoder and cost estimates: code_level() is a template over a Coder with
+//     int code(int bit, std::uint32_t probability_16);
+// An encoder writes `bit` and returns it, a decoder ignores it and returns what it reads, a counter adds up
+// -log2 of the probability. Contexts look at integers only, never at positions, so a decoder whose floating-point
+// unit were wrong would still stay in step.
+#ifndef NMC_COMMON_COEFFICIENT_CODER_H_
+#define NMC_COMMON_COEFFICIENT_CODER_H_
+
+#include <cstdint>
+
+#include "libnmc/common/context_mixing.h"
+#include "libnmc/common/memory.h"
+#include "libnmc/common/reconstruct.h"
+#include "libnmc/common/status.h"
+#include "libnmc/common/subdivision.h"
+
+namespace nmc {
+
+/// Largest magnitude of a coefficient (spec 8).
+inline constexpr std::int32_t kMaximumMagnitude = (1 << 26) - 1;
+
+/// Limits of the adaptive states.
+inline constexpr std::uint32_t kSignificanceCountLimit = 250;
+inline constexpr std::uint32_t kMagnitudeCountLimit = 120;
+
+/// An unsigned number: adaptive unary code for its bit length, then the bits below the leading one, the first of
+/// them adaptive.
+class NumberModel {
+ public:
+  template <class Coder>
+  std::uint32_t code(Coder& coder, std::uint32_t value);
+
+ private:
+  AdaptiveBit length_[33];
+  AdaptiveBit second_[33];
+};
+
+/// All adaptive state of the coefficients. It lives as long as the stream: chunks continue where the last one
+/// ended.
+class CoefficientModel {
+ public:
+  CoefficientModel() { reset(); }
+  void reset();
+
+  /// Codes the detail of the odd vertices of level `level` of `topology` (one per edge), in the order of the edges.
+  /// `previous`: the same coefficients after the previous layer, already multiplied by the ratio of the steps; null
+  /// in the first layer. `vertex_values`: the normal coefficient with which each vertex of `topology` was inserted
+  /// (zero for base vertices). Reads `coefficients` when encoding and fills it when decoding.
+  template <class Coder>
+  Status code_level(Coder& coder, Memory* memory, int level, const LevelTopology& topology, const std::int32_t* vertex_values,
+                    const LevelCoefficients* previous, LevelCoefficients& coefficients);
+
+ private:
+  static constexpr int kLevelClasses = 8;
+  static constexpr int kUnary = 14;
+
+  template <class Coder>
+  std::int32_t code_normal(Coder& coder, int level_class, const LevelTopology& topology,
+                           const std::int32_t* vertex_values, const std::int32_t* previous, std::uint32_t edge,
+                           const std::int32_t* values);
+  template <class Coder>
+  std::int32_t code_signed(Coder& coder, NumberModel& magnitude, AdaptiveBit& sign, std::int32_t value);
+  template <class Coder>
+  Status code_tangential(Coder& coder, Memory* memory, const LevelTopology& topology, const LevelCoefficients* previous,
+                         LevelCoefficients& coefficients);
+
+  struct SignificanceStates {
+    AdaptiveBit by_energy[kLevelClasses][3][11];
+    AdaptiveBit by_neighbours[kLevelClasses][1296];
+    AdaptiveBit by_parents[kLevelClasses][11][11];
+    AdaptiveBit by_far_ring[12][11];
+    AdaptiveBit by_run[kLevelClasses][11];
+    AdaptiveBit by_all[11][11][12];
+    AdaptiveBit by_sibling[kLevelClasses][3][5][11];
+    MixerWeights mixer[kLevelClasses][3];
+    MixerWeights energy_mixer[11];
+  };
+  struct SignStates {
+    AdaptiveBit by_neighbours[9];
+    AdaptiveBit by_signed[25][3][2];
+    AdaptiveBit by_parents[kLevelClasses][5];
+    AdaptiveBit by_opposite[5][5];
+    AdaptiveBit by_all[9][5][5];
+    AdaptiveBit by_sibling[3][5];
+    MixerWeights mixer[3];
+  };
+  struct MagnitudeStates {
+    AdaptiveBit by_energy[11][kUnary];
+    AdaptiveBit by_far_ring[12][kUnary];
+    AdaptiveBit by_parents[kLevelClasses][11][kUnary];
+    AdaptiveBit by_largest[7][kUnary];
+    AdaptiveBit by_level_energy[kLevelClasses][11][kUnary];
+    AdaptiveBit by_sib[5][2][kUnary];
+    MixerWeights mixer[kUnary];
+    NumberModel escape;
+  };
+  /// Index 0: nothing is known from a previous layer, or it is zero; 1: it is not zero and the number coded is the
+  /// correction, with the sign taken relative to it.
+  SignificanceStates significance_[2];
+  SignStates sign_[2];
+  MagnitudeStates magnitude_[2];
+  std::int32_t run_ = 16;  // running mean of the magnitudes in 1/16
+
+  // Tangential list: gaps between entries, and the two components.
+  NumberModel tangential_count_[2];
+  NumberModel gap_;
+  NumberModel along_, across_;
+  AdaptiveBit along_sign_, across_sign_;
+  NumberModel curve_across_[3];
+  AdaptiveBit curve_across_sign_[3];
+};
+
+}  // namespace nmc
+
+#include "libnmc/common/coefficient_coder_inl.h"
+
+#endif  // NMC_COMMON_COEFFICIENT_CODER_H_

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+// Implementation of coefficient_coder.h: templates over the coder.
+#ifndef NMC_COMMON_COEFFICIENT_CODER_INL_H_
+#define NMC_COMMON_COEFFICIENT_CODER_INL_H_
+
+#include <cstring>
+
+namespace nmc {
+
+namespace coefficient_internal {
+
+inline std::int32_t magnitude_of(std::int32_t v) { return v < 0 ? -v : v; }
+inline int sign_of(std::int32_t v) { return (v > 0) - (v < 0); }
+
+/// Classes of a mean magnitude given in 1/16 (spec table B.2).
+inline int energy_class(std::int64_t sixteenths) {
+  constexpr std::int64_t kBounds[10] = {1, 3, 6, 11, 18, 26, 40, 64, 128, 256};
+  int k = 0;
+  while (k < 10 && sixteenths >= kBounds[k]) ++k;
+  return k;
+}
+
+template <class Coder>
+int code_adaptive(Coder& coder, AdaptiveBit& state, int bit, std::uint32_t count_limit) {
+  std::uint32_t p = state.probability_16();
+  p = p < 32 ? 32 : p > 65504 ? 65504 : p;
+  bit = coder.code(bit, p);
+  state.update(bit, count_limit);
+  return bit;
+}
+
+}  // namespace coefficient_internal
+
+template <class Coder>
+std::uint32_t NumberModel::code(Coder& coder, std::uint32_t value) {
+  using namespace coefficient_internal;
+  // value + 1 has `length` + 1 bits; 33 states are enough for every 32-bit value.
+  const std::uint64_t number = std::uint64_t{value} + 1;
+  int length = 0;
+  while (length < 32) {
+    const int more = code_adaptive(coder, length_[length], (number >> (length + 1)) != 0, kMagnitudeCountLimit);
+    if (!more) break;
+    ++length;
+  }
+  std::uint64_t result = 1;
+  for (int i = length - 1; i >= 0; --i) {
+    const int bit = static_cast<int>((number >> i) & 1);
+    const int coded = i == length - 1 ? code_adaptive(coder, second_[length], bit, kMagnitudeCountLimit)
+                                      : coder.code(bit, 32768);
+    result = 2 * result + static_cast<std::uint64_t>(coded);
+  }
+  return static_cast<std::uint32_t>(result - 1);
+}
+
+template <class Coder>
+std::int32_t CoefficientModel::code_signed(Coder& coder, NumberModel& magnitude, AdaptiveBit& sign,
+                                           std::int32_t value) {
+  using namespace coefficient_internal;
+  std::uint32_t m = magnitude.code(coder, static_cast<std::uint32_t>(magnitude_of(value)));
+  if (m == 0) return 0;
+  if (m > static_cast<std::uint32_t>(kMaximumMagnitude)) m = kMaximumMagnitude;
+  const int negative = code_adaptive(coder, sign, value < 0, kMagnitudeCountLimit);
+  return negative ? -static_cast<std::int32_t>(m) : static_cast<std::int32_t>(m);
+}
+
+template <class Coder>
+std::int32_t CoefficientModel::code_normal(Coder& coder, int level_class, const LevelTopology& topology,
+                                           const std::int32_t* vertex_values, const std::int32_t* previous,
+                                           std::uint32_t edge, const std::int32_t* values) {
+  using namespace coefficient_internal;
+  // What is known of another edge of this level: its value if it comes earlier, else that of the previous layer.
+  const auto known = [&](std::uint32_t e) { return e < edge ? values[e] : previous[e]; };
+  const bool all_known = previous != nullptr;
+  const std::uint32_t a = topology.edge_vertices[2 * edge], b = topology.edge_vertices[2 * edge + 1];
+
+  // The four edges that share a face with this one, and beyond each of them two more.
+  std::int64_t near_sum = 0, far_sum = 0, opposite_sum = 0;
+  int near_signed = 0;
+  int near_count = 0, far_count = 0, near_signs = 0, largest = 0;
+  int classes[4] = {5, 5, 5, 5};
+  int slot = 0, opposite_signs = 0;
+  for (int side = 0; side < 2; ++side) {
+    const std::uint32_t face = topology.edge_faces[2 * edge + side];
+    if (face == kNone) {
+      slot += 2;
+      continue;
+    }
+    const std::uint32_t opposite = topology.opposite_vertex(edge, face);
+    opposite_sum += magnitude_of(vertex_values[opposite]);
+    opposite_signs += sign_of(vertex_values[opposite]);
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t near = topology.face_edges[3 * face + k];
+      if (near == edge) continue;
+      if (near < edge || all_known) {
+        const std::int32_t v = known(near), m = magnitude_of(v);
+        near_sum += m;
+        ++near_count;
+        near_signs += sign_of(v);
+        near_signed += v > 3 ? 3 : v < -3 ? -3 : v;
+        if (m > largest) largest = m;
+        classes[slot++] = m > 3 ? 3 : m;
+      } else {
+        classes[slot++] = 4;
+      }
+      const std::uint32_t left = topology.edge_faces[2 * near], right = topology.edge_faces[2 * near + 1];
+      const std::uint32_t beyond = left == face ? right : left;
+      if (beyond == kNone) continue;
+      for (int j = 0; j < 3; ++j) {
+        const std::uint32_t far = topology.face_edges[3 * beyond + j];
+        if (far == near || !(far < edge || all_known)) continue;
+        far_sum += magnitude_of(known(far));
+        ++far_count;
+      }
+    }
+  }
+  for (int i = 1; i < 4; ++i)
+    for (int j = i; j > 0 && classes[j] < classes[j - 1]; --j) {
+      const int swapped = classes[j];
+      classes[j] = classes[j - 1];
+      classes[j - 1] = swapped;
+    }
+  const int neighbour_index = classes[0] + 6 * (classes[1] + 6 * (classes[2] + 6 * classes[3]));
+
+  const std::int64_t parent_sum = std::int64_t{magnitude_of(vertex_values[a])} + magnitude_of(vertex_values[b]);
+  const int parent_class = energy_class(8 * parent_sum);
+  const int opposite_class = energy_class(8 * opposite_sum);
+  const int far_class = far_count ? energy_class(16 * far_sum / far_count) : 11;
+  // (2 near + 0.8 parents + 0.3 opposite) / 3.1 as means, in 1/16
+  std::int64_t energy;
+  if (level_class == 0) {
+    energy = near_count ? 16 * near_sum / near_count : 16;
+  } else if (near_count) {
+    energy = (320 * near_sum / near_count + 64 * parent_sum + 24 * opposite_sum) / 31;
+  } else {
+    energy = (64 * parent_sum + 24 * opposite_sum) / 11;
+  }
+  const int energy_index = energy_class(energy);
+  const int run_class = energy_class(run_);
+
+  // Halves of one parent edge follow each other; inner edges of one parent face come in threes.
+  const int kind = topology.edge_faces[2 * edge] / 4 == topology.edge_faces[2 * edge + 1] / 4 ? 1 : 0;
+  std::int32_t sibling = 0;
+  int sibling_class = 4;
+  if (edge > 0) {
+    sibling = values[edge - 1];
+    const std::int32_t m = magnitude_of(sibling);
+    sibling_class = m > 3 ? 3 : m;
+  }
+
+  const std::int32_t before = previous ? previous[edge] : 0;
+  const int layer = before != 0 ? 1 : 0;
+  const int orientation = before < 0 ? -1 : 1;
+  const std::int32_t target = (values[edge] - before) * orientation;
+
+  SignificanceStates& significance = significance_[layer];
+  MixedBit zero;
+  zero.add(significance.by_energy[level_class][kind][energy_index]);
+  zero.add(significance.by_neighbours[level_class][neighbour_index]);
+  zero.add(significance.by_parents[level_class][parent_class][opposite_class]);
+  zero.add(significance.by_far_ring[far_class][energy_index]);
+  zero.add(significance.by_run[level_class][run_class]);
+  zero.add(significance.by_all[energy_index][parent_class][far_class]);
+  zero.add(significance.by_sibling[level_class][kind][sibling_class][parent_class]);
+  MixerWeights& zero_mixer = significance.mixer[level_class][kind];
+  const int significant = coder.code(target != 0, zero.probability(zero_mixer));
+  zero.update(significant, zero_mixer, kSignificanceCountLimit);
+  if (!significant) {
+    run_ -= run_ >> 3;
+    return before;
+  }
+
+  const int parent_signs = sign_of(vertex_values[a]) + sign_of(vertex_values[b]);
+  SignStates& sign = sign_[layer];
+  MixedBit negative;
+  negative.add(sign.by_neighbours[near_signs + 4]);
+  negative.add(sign.by_parents[level_class][parent_signs + 2]);
+  negative.add(sign.by_opposite[opposite_signs + 2][parent_signs + 2]);
+  negative.add(sign.by_signed[near_signed + 12][sign_of(sibling) + 1][kind]);
+  negative.add(sign.by_all[near_signs + 4][parent_signs + 2][opposite_signs + 2]);
+  negative.add(sign.by_sibling[sign_of(sibling) + 1][opposite_signs + 2]);
+  const int is_negative = coder.code(target < 0, negative.probability(sign.mixer[kind]));
+  negative.update(is_negative, sign.mixer[kind], kSignificanceCountLimit);
+
+  MagnitudeStates& magnitude = magnitude_[layer];
+  const std::uint32_t excess = static_cast<std::uint32_t>(magnitude_of(target)) - 1;
+  const int largest_class = near_count == 0 ? 6 : largest > 5 ? 5 : largest;
+  std::uint32_t m = 0;
+  while (m < kUnary) {
+    MixedBit more;
+    more.add(magnitude.by_energy[energy_index][m]);
+    more.add(magnitude.by_far_ring[far_class][m]);
+    more.add(magnitude.by_parents[level_class][parent_class][m]);
+    more.add(magnitude.by_largest[largest_class][m]);
+    more.add(magnitude.by_level_energy[level_class][energy_index][m]);
+    more.add(magnitude.by_sib[sibling_class][kind][m]);
+    const int bit = coder.code(excess > m, more.probability(magnitude.mixer[m]));
+    more.update(bit, magnitude.mixer[m], kMagnitudeCountLimit);
+    if (!bit) break;
+    ++m;
+  }
+  if (m == kUnary) m += magnitude.escape.code(coder, excess - kUnary);
+  if (m > static_cast<std::uint32_t>(kMaximumMagnitude) - 1) m = kMaximumMagnitude - 1;
+  const std::int32_t coded = static_cast<std::int32_t>(m) + 1;
+  run_ += 2 * (coded > 64 ? 64 : coded) - (run_ >> 3);
+  std::int32_t value = before + orientation * (is_negative ? -coded : coded);
+  if (value > kMaximumMagnitude) value = kMaximumMagnitude;
+  if (value < -kMaximumMagnitude) value = -kMaximumMagnitude;
+  return value;
+}
+
+/// a - b by edge, zero entries left out; both lists are in increasing order of edge. Encoders only.
+Status subtract_tangential(const Array<TangentialCoefficient>& a, const Array<TangentialCoefficient>* b,
+                           Array<TangentialCoefficient>& difference);
+/// previous + difference by edge, zero entries left out.
+Status add_tangential(const Array<TangentialCoefficient>* previous, const Array<TangentialCoefficient>& difference,
+                      Array<TangentialCoefficient>& sum);
+
+template <class Coder>
+Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const LevelTopology& topology,
+                                         const LevelCoefficients* previous, LevelCoefficients& coefficients) {
+  using namespace coefficient_internal;
+  const int layer = previous ? 1 : 0;
+  Array<TangentialCoefficient> difference(memory);
+  if constexpr (!Coder::kDecodes) {
+    NMC_TRY(subtract_tangential(coefficients.tangential, previous ? &previous->tangential : nullptr, difference));
+  }
+
+  // Curves: `across` is as free as the normal offset, so it is coded for every curve edge.
+  Array<TangentialCoefficient> curves(memory);
+  if (topology.has_curves()) {
+    std::size_t position = 0;
+    int context = 0;
+    for (std::uint32_t edge = 0; edge < topology.edge_count; ++edge) {
+      if (!topology.edge_is_curve[edge]) continue;
+      std::int32_t across = 0;
+      if constexpr (!Coder::kDecodes) {
+        while (position < difference.size() && difference[position].edge < edge) ++position;
+        if (position < difference.size() && difference[position].edge == edge) across = difference[position].across;
+      }
+      across = code_signed(coder, curve_across_[context], curve_across_sign_[context], across);
+      context = across == 0 ? 0 : magnitude_of(across) < 3 ? 1 : 2;
+      if (Coder::kDecodes && across != 0 && !curves.push_back({edge, 0, across})) return no_memory();
+    }
+  }
+
+  // The rest is sparse: a count, then gaps.
+  const auto is_listed = [&](const TangentialCoefficient& t) {
+    return t.along != 0 || (t.across != 0 && !topology.is_curve(t.edge));
+  };
+  std::uint32_t count = 0;
+  for (const TangentialCoefficient& t : difference) count += is_listed(t) ? 1 : 0;
+  count = tangential_count_[layer].code(coder, count);
+  NMC_CHECK_STREAM(count <= topology.edge_count, "5.3.4", "more tangential coefficients than edges");
+  std::uint32_t next_edge = 0;  // the lowest edge the next entry can name
+  std::size_t position = 0, curve = 0;
+  Array<TangentialCoefficient> decoded(memory);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    TangentialCoefficient t{};
+    if constexpr (!Coder::kDecodes) {
+      while (!is_listed(difference[position])) ++position;
+      t = difference[position++];
+    }
+    const std::uint32_t gap = gap_.code(coder, t.edge - next_edge);
+    NMC_CHECK_STREAM(gap < topology.edge_count - next_edge, "5.3.4", "a tangential coefficient names no edge");
+    t.edge = next_edge + gap;
+    next_edge = t.edge + 1;
+    t.along = code_signed(coder, along_, along_sign_, t.along);
+    const bool on_curve = topology.is_curve(t.edge);
+    const std::int32_t across = on_curve ? 0 : code_signed(coder, across_, across_sign_, t.across);
+    if constexpr (Coder::kDecodes) {
+      for (; curve < curves.size() && curves[curve].edge < t.edge; ++curve) {
+        if (!decoded.push_back(curves[curve])) return no_memory();
+      }
+      t.across = across;
+      if (on_curve && curve < curves.size() && curves[curve].edge == t.edge) t.across = curves[curve++].across;
+      if (!decoded.push_back(t)) return no_memory();
+    }
+    if (i + 1 < count) {
+      NMC_CHECK_STREAM(next_edge < topology.edge_count, "5.3.4", "a tangential coefficient names no edge");
+    }
+  }
+  if constexpr (Coder::kDecodes) {
+    for (; curve < curves.size(); ++curve) {
+      if (!decoded.push_back(curves[curve])) return no_memory();
+    }
+    NMC_TRY(add_tangential(previous ? &previous->tangential : nullptr, decoded, coefficients.tangential));
+  }
+  return ok_status();
+}
+
+template <class Coder>
+Status CoefficientModel::code_level(Coder& coder, Memory* memory, int level, const LevelTopology& topology,
+                                    const std::int32_t* vertex_values, const LevelCoefficients* previous,
+                                    LevelCoefficients& coefficients) {
+  if (!coefficients.normal.resize(topology.edge_count)) return no_memory();
+  const int level_class = level < kLevelClasses ? level : kLevelClasses - 1;
+  const std::int32_t* before = previous ? previous->normal.data() : nullptr;
+  for (std::uint32_t edge = 0; edge < topology.edge_count; ++edge) {
+    coefficients.normal[edge] =
+        code_normal(coder, level_class, topology, vertex_values, before, edge, coefficients.normal.data());
+  }
+  return code_tangential(coder, memory, topology, previous, coefficients);
+}
+
+}  // namespace nmc
+
+#endif  // NMC_COMMON_COEFFICIENT_CODER_INL_H_
