@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "encoder/fit/quantize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "encoder/core/parallel.h"
+#include "encoder/fit/context_rate_model.h"
+#include "encoder/fit/coordinate_descent.h"
+
+namespace nmc {
+
+struct MeshQuantizer::State {
+  State(const NormalMesh& mesh_of, int coded_level_count, std::vector<SurfaceSample> samples_of,
+        const InputSurface* input_of, const QuadraticEnergyOptions& energy_options_of)
+      : mesh(mesh_of),
+        samples(std::move(samples_of)),
+        input(input_of),
+        energy_options(energy_options_of),
+        system(mesh_of.hierarchy, unknown_layout(mesh_of, coded_level_count), mesh_of.tension),
+        fitted_values(values_of(mesh_of, system.layout())) {
+    std::vector<Vec3> positions;
+    system.synthesis().positions_of(fitted_values, positions);
+    system.set_samples(samples, positions, energy_options);
+    system.galerkin();
+  }
+
+  const NormalMesh& mesh;
+  std::vector<SurfaceSample> samples;
+  const InputSurface* input;
+  QuadraticEnergyOptions energy_options;
+  FitSystem system;
+  std::vector<double> fitted_values;
+};
+
+MeshQuantizer::MeshQuantizer(const NormalMesh& mesh, int coded_level_count,
+                             std::vector<SurfaceSample> samples, const InputSurface* input,
+                             const QuadraticEnergyOptions& energy)
+    : state_(std::make_unique<State>(mesh, coded_level_count, std::move(samples), input, energy)) {}
+
+MeshQuantizer::~MeshQuantizer() = default;
+
+const SubdivisionHierarchy& MeshQuantizer::hierarchy() const { return state_->mesh.hierarchy; }
+
+namespace {
+
+/// One run of the quantizer: the values of all unknowns on their way to integers.
+class Quantization {
+ public:
+  Quantization(const QuantizeOptions& options, const SubdivisionHierarchy& hierarchy, FitSystem& system,
+               std::vector<double> values, std::vector<std::uint8_t> active)
+      : options_(options),
+        hierarchy_(hierarchy),
+        system_(system),
+        layout_(system.layout()),
+        values_(std::move(values)),
+        active_(std::move(active)),
+        field_(hierarchy, layout_.coded_level_count),
+        rates_(hierarchy, layout_.coded_level_count) {
+    const int finest = layout_.coded_level_count - 1;
+    double curvature = 0;
+    const LevelTopology& topology = hierarchy.level(finest);
+    for (std::size_t e = 0; e < topology.edge_count; ++e) {
+      // Mean over directions: a third of the trace counts the plane residual once.
+      const SymmetricMatrix3& block = system.galerkin().diagonal(finest + 1, topology.vertex_count + e);
+      curvature += double{block.xx} + block.yy + block.zz;
+    }
+    curvature /= static_cast<double>(topology.edge_count);
+    lambda_ = options.lambda_factor * 0.5 * curvature * options.normal_step * options.normal_step;
+  }
+
+  double step(int level) const {
+    return options_.normal_step * std::pow(options_.step_ratio, level - (layout_.coded_level_count - 1));
+  }
+  double tangential_step(int level) const { return options_.tangential_ratio * step(level); }
+  double base_step() const { return step(-1) * options_.base_step_factor; }
+
+  /// Small coefficients become zero and leave the system.
+  void shrink(double threshold) {
+    for (int l = 0; l < layout_.coded_level_count; ++l) {
+      const auto level = static_cast<std::size_t>(l);
+      const double limit = threshold * step(l);
+      const std::size_t begin = layout_.normal_begin[level];
+      for (std::size_t i = begin; i < layout_.normal_begin[level + 1]; ++i) {
+        if (!active_[i] || std::abs(values_[i]) >= limit) continue;
+        values_[i] = 0;
+        active_[i] = 0;
+      }
+      const double tangential_limit = threshold * tangential_step(l);
+      for (std::size_t i = layout_.tangential_begin[level]; i < layout_.tangential_begin[level + 1]; i += 2) {
+        if (std::hypot(values_[i], values_[i + 1]) >= tangential_limit) continue;
+        values_[i] = values_[i + 1] = 0;
+        active_[i] = active_[i + 1] = 0;
+      }
+    }
+  }
+
+  void minimize(int outer, int inner, double tolerance) {
+    MinimizeOptions minimize;
+    minimize.maximum_outer = outer;
+    minimize.maximum_inner = inner;
+    minimize.inner_tolerance = tolerance;
+    system_.minimize(active_, minimize, values_);
+  }
+
+  void round_base() {
+    const double grid = base_step();
+    coordinates_.resize(layout_.base_vertex_count);
+    for (std::size_t v = 0; v < layout_.base_vertex_count; ++v) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double relative = values_[3 * v + k] - options_.base_origin[static_cast<int>(k)];
+        coordinates_[v][k] = static_cast<std::int32_t>(std::lround(relative / grid));
+        active_[3 * v + k] = 0;
+      }
+    }
+    store_base();
+  }
+
+  void round_level(int l) {
+    const auto level = static_cast<std::size_t>(l);
+    const double delta = step(l);
+    const std::size_t vertex_count = hierarchy_.level(l).vertex_count;
+    const std::size_t begin = layout_.normal_begin[level];
+    for (std::size_t e = 0; e < hierarchy_.level(l).edge_count; ++e) {
+      const double c = values_[begin + e];
+      std::int32_t q = 0;
+      if (active_[begin + e]) {
+        q = static_cast<std::int32_t>(std::abs(c) / delta + 0.45);
+        if (c < 0) q = -q;
+      }
+      field_.values[vertex_count + e] = q;
+      values_[begin + e] = q * delta;
+      active_[begin + e] = 0;
+    }
+    const double tangential = tangential_step(l);
+    for (std::size_t i = layout_.tangential_begin[level]; i < layout_.tangential_begin[level + 1]; ++i) {
+      values_[i] = std::round(values_[i] / tangential) * tangential;
+      active_[i] = 0;
+    }
+  }
+
+  /// Coordinate descent over the base and all levels.
+  void descend() {
+    std::vector<Vec3> positions, force;
+    std::vector<double> dual;
+    const auto linearize = [&] {
+      system_.synthesis().synthesize(values_, positions);
+      system_.energy().gradient(positions, force);
+      system_.synthesis().adjoint(force, dual);
+    };
+    rates_.learn(field_);
+    linearize();
+    if (descend_base(system_, base_step(), dual, 3, coordinates_) > 0) store_base();
+    DescentOptions descent;
+    descent.lambda = lambda_;
+    for (int l = 0; l < layout_.coded_level_count; ++l) {
+      linearize();
+      descend_level(system_, l, step(l), dual, descent, rates_, field_);
+      const std::size_t begin = layout_.normal_begin[static_cast<std::size_t>(l)];
+      const std::size_t vertex_count = hierarchy_.level(l).vertex_count;
+      for (std::size_t e = 0; e < hierarchy_.level(l).edge_count; ++e)
+        values_[begin + e] = field_.values[vertex_count + e] * step(l);
+    }
+  }
+
+  double energy() const { return system_.energy_of(values_); }
+  double model_bits() {
+    rates_.learn(field_);
+    return rates_.total_bits();
+  }
+  const std::vector<double>& values() const { return values_; }
+
+  QuantizedMesh result() const {
+    QuantizedMesh mesh;
+    mesh.base_origin = options_.base_origin;
+    mesh.base_step = base_step();
+    mesh.base_coordinates = coordinates_;
+    mesh.smoothing_level_count = hierarchy_.level_count() - layout_.coded_level_count;
+    for (int l = 0; l < layout_.coded_level_count; ++l) {
+      const auto level = static_cast<std::size_t>(l);
+      LevelQuantizer quantizer;
+      quantizer.normal_step = step(l);
+      quantizer.tangential_step = tangential_step(l);
+      quantizer.tension = Tension{system_.synthesis().tension()[level]};
+      mesh.quantizers.push_back(quantizer);
+      const auto begin = field_.values.begin() + hierarchy_.level(l).vertex_count;
+      mesh.normal.emplace_back(begin, begin + hierarchy_.level(l).edge_count);
+      auto& list = mesh.tangential.emplace_back();
+      for (std::size_t i = 0; i < layout_.tangential_edges[level].size(); ++i) {
+        const std::size_t unknown = layout_.tangential_begin[level] + 2 * i;
+        TangentialCoefficient t;
+        t.edge = layout_.tangential_edges[level][i];
+        t.along = static_cast<std::int32_t>(std::lround(values_[unknown] / tangential_step(l)));
+        t.across = static_cast<std::int32_t>(std::lround(values_[unknown + 1] / tangential_step(l)));
+        if (t.along != 0 || t.across != 0) list.push_back(t);
+      }
+    }
+    return mesh;
+  }
+
+ private:
+  void store_base() {
+    for (std::size_t v = 0; v < layout_.base_vertex_count; ++v)
+      for (std::size_t k = 0; k < 3; ++k)
+        values_[3 * v + k] = options_.base_origin[static_cast<int>(k)] + base_step() * coordinates_[v][k];
+  }
+
+  const QuantizeOptions& options_;
+  const SubdivisionHierarchy& hierarchy_;
+  FitSystem& system_;
+  const UnknownLayout& layout_;
+  std::vector<double> values_;
+  std::vector<std::uint8_t> active_;
+  CoefficientField field_;
+  ContextRateModel rates_;
+  std::vector<std::array<std::int32_t, 3>> coordinates_;
+  double lambda_ = 0;
+};
+
+}  // namespace
+
+QuantizedMesh MeshQuantizer::quantize(const QuantizeOptions& options, QuantizeReport* report) {
+  State& state = *state_;
+  FitSystem& system = state.system;
+  const SubdivisionHierarchy& hierarchy = state.mesh.hierarchy;
+  const LevelTopology& finest = hierarchy.level(hierarchy.level_count());
+  Quantization run(options, hierarchy, system, state.fitted_values,
+                   free_unknowns(state.mesh, system.layout(), true));
+  int reprojections = 0;
+  const auto reproject = [&] {
+    if (!state.input || reprojections >= options.reprojection_count) return;
+    ++reprojections;
+    std::vector<Vec3> positions;
+    system.synthesis().positions_of(run.values(), positions);
+    reproject_samples(*state.input, finest, positions, {}, state.samples);
+    system.set_samples(state.samples, positions, state.energy_options);
+  };
+  for (int round = 0; round < options.active_set_rounds; ++round) {
+    run.shrink(options.dead_zone * (round == 0 ? 0.8 : 1.0));
+    if (round > 0) reproject();
+    run.minimize(2, 25, 0.05);
+  }
+  if (report) report->fit_rms = system.energy().root_mean_square(run.energy());
+  run.shrink(options.dead_zone);
+  run.round_base();
+  for (int l = 0; l < hierarchy.level_count() && l < system.layout().coded_level_count; ++l) {
+    run.minimize(1, 15, 0.05);
+    run.round_level(l);
+  }
+  for (int round = 0; round < options.descent_rounds; ++round) {
+    if (round == 1) reproject();
+    run.descend();
+  }
+  if (report) {
+    report->final_rms = system.energy().root_mean_square(run.energy());
+    report->model_bits = run.model_bits();
+  }
+  QuantizedMesh mesh = run.result();
+  if (report) {
+    report->nonzero_count = mesh.nonzero_count();
+    report->tangential_count = 0;
+    for (const auto& list : mesh.tangential) report->tangential_count += list.size();
+  }
+  return mesh;
+}
+
+}  // namespace nmc
