@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -208,11 +209,14 @@ class ObjReader {
 
   void finish_colors() {
     const std::size_t count = mesh_.positions.size();
-    if (!rgb_.empty()) {
+    if (holds_negative(rgb_)) {
+      mesh_.dropped_properties.push_back(
+          "three values behind the positions (some are negative, so no colours)");
+    } else if (!rgb_.empty()) {
       rgb_.resize(3 * count, kNoColor);
       mesh_.colors = colors_from_unscaled(rgb_);
       for (std::size_t i = 0; i < count; ++i)
-        if (rgb_[3 * i] == kNoColor) mesh_.colors[i] = {255, 255, 255};
+        if (std::isnan(rgb_[3 * i])) mesh_.colors[i] = {255, 255, 255};
     } else if (polypaint_.size() == count) {
       mesh_.colors = std::move(polypaint_);
     } else if (!polypaint_.empty()) {
@@ -234,7 +238,7 @@ class ObjReader {
       mesh_.dropped_properties.push_back(fmt::format("surplus values of {} vertex lines", surplus_));
   }
 
-  static constexpr float kNoColor = -1;
+  static constexpr float kNoColor = std::numeric_limits<float>::quiet_NaN();
 
   const Source& source_;
   const ReadOptions& options_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -95,7 +96,6 @@ class VertexSink {
     }
     if (header.has_texture_coordinates)
       mesh_.dropped_properties.push_back("vertex texture coordinates (textures are not carried)");
-    if (color_count == 4) mesh_.dropped_properties.push_back("vertex opacities");
     if (color_count > 0) rgb_.reserve(3 * vertex_count);
   }
 
@@ -108,10 +108,19 @@ class VertexSink {
       values += 3;
     }
     if (color_count_ > 0) rgb_.insert(rgb_.end(), values, values + 3);
+    if (color_count_ == 4) {
+      largest_opacity_ = std::max(largest_opacity_, static_cast<float>(values[3]));
+      smallest_opacity_ = std::min(smallest_opacity_, static_cast<float>(values[3]));
+    }
   }
 
   void finish() {
-    if (color_count_ > 0) mesh_.colors = colors_from_unscaled(rgb_);
+    if (smallest_opacity_ < largest_opacity_) mesh_.dropped_properties.push_back("vertex opacities");
+    if (holds_negative(rgb_)) {
+      mesh_.dropped_properties.push_back("values behind the positions (some are negative, so no colours)");
+    } else if (color_count_ > 0) {
+      mesh_.colors = colors_from_unscaled(rgb_, largest_opacity_);
+    }
   }
 
  private:
@@ -119,6 +128,8 @@ class VertexSink {
   std::size_t color_count_;
   TriangleMesh& mesh_;
   std::vector<float> rgb_;
+  float largest_opacity_ = 0;
+  float smallest_opacity_ = std::numeric_limits<float>::infinity();
 };
 
 [[noreturn]] void fail_limit(const Source& source, std::uint64_t vertex_count, std::uint64_t face_count) {
@@ -222,6 +233,8 @@ class TextReader {
         source_.fail_at_line(at_, fmt::format("the first vertex has {} values where {} or {} are expected",
                                               on_line, plain + 3, plain + 4));
       color_count = on_line - plain;
+    } else if (on_line == plain + 3 || on_line == plain + 4) {
+      color_count = on_line - plain;  // many writers add colours and leave the keyword as it is
     } else if (on_line > plain) {
       surplus = on_line - plain;
     }
