@@ -11,7 +11,6 @@
 
 #include "encoder/condition/degenerate.h"
 #include "encoder/condition/half_edges.h"
-#include "encoder/condition/orient.h"
 #include "encoder/condition/outward.h"
 #include "encoder/condition/pair_edges.h"
 #include "encoder/condition/pieces.h"
@@ -201,26 +200,26 @@ class Conditioner {
     {
       EdgeGroups edges(mesh_.triangles, mesh_.positions.size());
       const auto group_again = [&] { edges = EdgeGroups(mesh_.triangles, mesh_.positions.size()); };
-      if (conditioning::drop_duplicates(mesh_, edges) > 0) group_again();
+      drop_duplicates(edges, group_again);
       weld_nearby(edges, group_again);
       step("closing cracks", 0.3);
       if (options_.close_t_junctions &&
           conditioning::close_t_junctions(mesh_, edges, out_.report.weld_distance) > 0) {
         conditioning::drop_degenerate(mesh_);
         group_again();
-        if (conditioning::drop_duplicates(mesh_, edges) > 0) group_again();
+        drop_duplicates(edges, group_again);
       }
       step("pairing edges", 0.4);
       opposite = conditioning::pair_edges(mesh_, edges);
     }
-    conditioning::orient(mesh_, opposite);
     step("splitting vertices", 0.5);
     conditioning::SplitVertices split = conditioning::split_vertices(mesh_, opposite);
     source_ = std::move(split.source);
     welded_ = std::move(split.welded);
     step("removing slivers", 0.6);
-    conditioning::remove_slivers(mesh_, opposite);
-    if (options_.repair == Repair::kAuto) conditioning::fill_small_holes(mesh_, opposite, options_);
+    conditioning::remove_slivers(mesh_, opposite, split.is_seam);
+    if (options_.repair == Repair::kAuto)
+      conditioning::fill_small_holes(mesh_, opposite, split.is_seam, options_);
     treat_dust(opposite);
     step("orienting", 0.75);
     if (options_.turn_outward) turned_ = conditioning::turn_outward(mesh_, opposite);
@@ -246,8 +245,14 @@ class Conditioner {
       }
       conditioning::drop_degenerate(mesh_);
       group_again();
-      if (conditioning::drop_duplicates(mesh_, edges) > 0) group_again();
+      drop_duplicates(edges, group_again);
     }
+  }
+
+  /// A triangle dropped from a closed surface opens it, and then its other duplicates are not kept either.
+  template <class GroupAgain>
+  void drop_duplicates(EdgeGroups& edges, const GroupAgain& group_again) {
+    while (conditioning::drop_duplicates(mesh_, edges) > 0) group_again();
   }
 
   void treat_dust(std::vector<std::uint32_t>& opposite) {

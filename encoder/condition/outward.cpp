@@ -7,8 +7,8 @@
 #include <array>
 #include <limits>
 
-#include "encoder/condition/orient.h"
 #include "encoder/condition/pieces.h"
+#include "encoder/condition/sides.h"
 #include "encoder/core/parallel.h"
 #include "encoder/spatial/surface_index.h"
 

@@ -7,48 +7,52 @@
 #include <cmath>
 #include <numbers>
 
+#include "encoder/condition/sides.h"
+
 namespace nmc::conditioning {
 
 namespace {
 
-/// A triangle around an edge. The edge runs from its lower to its higher vertex.
+/// A triangle around a crowded edge that has no partner yet. The edge runs from its lower to its higher
+/// vertex.
 struct Leaf {
   std::uint32_t half_edge;
-  bool forward;      // the half-edge runs from the lower to the higher vertex
+  bool forward;  // the half-edge, as its triangle is turned so far, runs from the lower to the higher vertex
   double angle_rad;  // of the triangle around the edge, counter-clockwise seen against the edge, in [0, 2 pi)
 };
 
-class CrowdedEdge {
+class Pairing {
  public:
-  CrowdedEdge(const WorkingMesh& mesh, std::vector<std::uint32_t>& opposite)
-      : mesh_(mesh), opposite_(opposite) {}
+  explicit Pairing(WorkingMesh& mesh) : mesh_(mesh), pairs_(3 * mesh.triangles.size(), kNone) {}
 
-  /// Returns the number of half-edges left open.
-  std::size_t pair(std::span<const GroupedHalfEdge> group) {
-    collect(group);
-    pair_as_stored();
-    if (leaves_.size() < 2) return leaves_.size();
-    measure_angles(group);
-    if (!pair_material_wedges()) pair_flattest_first();
-    return leaves_.size();
+  std::vector<std::uint32_t> run(const EdgeGroups& edges) {
+    edges.for_each([&](std::span<const GroupedHalfEdge> group) { pair_plainly(group); });
+    open_contradictory_pairs(mesh_, pairs_);
+    Sides sides(mesh_, pairs_);
+    for (const auto& crowd : crowds_) {
+      std::vector<Leaf> leaves = leaves_of(crowd, sides);
+      if (!pair_material_wedges(leaves, sides)) pair_flattest_first(leaves, sides, false);
+    }
+    // Turning a piece can make leaves of an earlier edge agree; until nothing changes.
+    for (bool changed = !crowds_.empty(); changed;) {
+      changed = false;
+      for (const auto& crowd : crowds_) {
+        std::vector<Leaf> leaves = leaves_of(crowd, sides);
+        changed |= pair_flattest_first(leaves, sides, false);
+        changed |= pair_flattest_first(leaves, sides, true);
+      }
+    }
+    for (const auto& crowd : crowds_)
+      mesh_.report.non_manifold_edges_open +=
+          std::any_of(crowd.begin(), crowd.end(), [&](std::uint32_t h) { return pairs_[h] == kNone; });
+    turn(sides);
+    return std::move(pairs_);
   }
 
  private:
   void join(std::uint32_t a, std::uint32_t b) {
-    opposite_[a] = b;
-    opposite_[b] = a;
-  }
-
-  void remove_paired() {
-    std::erase_if(leaves_, [&](const Leaf& leaf) { return opposite_[leaf.half_edge] != kNone; });
-  }
-
-  void collect(std::span<const GroupedHalfEdge> group) {
-    leaves_.clear();
-    for (const GroupedHalfEdge& entry : group) {
-      const std::uint32_t h = entry.half_edge();
-      leaves_.push_back({h, tail_of(mesh_.triangles, h) != entry.higher_vertex(), 0});
-    }
+    pairs_[a] = b;
+    pairs_[b] = a;
   }
 
   std::uint64_t stored_edge(std::uint32_t h) const {
@@ -56,99 +60,127 @@ class CrowdedEdge {
     return std::min(a, b) << 32 | std::max(a, b);
   }
 
-  void pair_as_stored() {
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> by_edge;
-    for (const Leaf& leaf : leaves_) by_edge.push_back({stored_edge(leaf.half_edge), leaf.half_edge});
-    std::sort(by_edge.begin(), by_edge.end());
-    for (std::size_t i = 0; i < by_edge.size();) {
+  void pair_plainly(std::span<const GroupedHalfEdge> group) {
+    if (group.size() < 2) return;
+    if (group.size() == 2) {
+      join(group[0].half_edge(), group[1].half_edge());
+      return;
+    }
+    if (mesh_.report.non_manifold_edges++ == 0) {
+      const std::uint32_t h = group[0].half_edge();
+      mesh_.note(fmt::format("the edge between vertices {} and {} has {} triangles", tail_of(mesh_.stored, h),
+                             head_of(mesh_.stored, h), group.size()));
+    }
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> by_stored_edge;
+    for (const GroupedHalfEdge& entry : group)
+      by_stored_edge.push_back({stored_edge(entry.half_edge()), entry.half_edge()});
+    std::sort(by_stored_edge.begin(), by_stored_edge.end());
+    std::vector<std::uint32_t> crowd;
+    for (std::size_t i = 0; i < by_stored_edge.size();) {
       std::size_t j = i + 1;
-      while (j < by_edge.size() && by_edge[j].first == by_edge[i].first) ++j;
-      if (j - i == 2) join(by_edge[i].second, by_edge[i + 1].second);
+      while (j < by_stored_edge.size() && by_stored_edge[j].first == by_stored_edge[i].first) ++j;
+      if (j - i == 2)
+        join(by_stored_edge[i].second, by_stored_edge[i + 1].second);
+      else
+        for (std::size_t k = i; k < j; ++k) crowd.push_back(by_stored_edge[k].second);
       i = j;
     }
-    remove_paired();
+    if (!crowd.empty()) crowds_.push_back(std::move(crowd));
   }
 
-  void measure_angles(std::span<const GroupedHalfEdge> group) {
-    const std::uint32_t first = group[0].half_edge();
-    const std::uint32_t higher = group[0].higher_vertex();
-    const std::uint32_t lower = tail_of(mesh_.triangles, first) == higher ? head_of(mesh_.triangles, first)
-                                                                          : tail_of(mesh_.triangles, first);
+  /// The half-edges of a crowd that are still open, by angle; equal angles (overlapping triangles) by number.
+  std::vector<Leaf> leaves_of(const std::vector<std::uint32_t>& crowd, Sides& sides) const {
+    const std::uint32_t a = tail_of(mesh_.triangles, crowd[0]), b = head_of(mesh_.triangles, crowd[0]);
+    const std::uint32_t lower = std::min(a, b);
     const Vec3 origin = mesh_.positions[lower];
-    const Vec3 axis = normalized(mesh_.positions[higher] - origin);
+    const Vec3 axis = normalized(mesh_.positions[std::max(a, b)] - origin);
     const Vec3 helper = std::abs(axis.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
     const Vec3 u = normalized(cross(axis, helper)), v = cross(axis, u);
-    for (Leaf& leaf : leaves_) {
-      const Vec3 d = mesh_.positions[apex_of(mesh_.triangles, leaf.half_edge)] - origin;
+    std::vector<Leaf> leaves;
+    for (const std::uint32_t h : crowd) {
+      if (pairs_[h] != kNone) continue;
+      const Vec3 d = mesh_.positions[apex_of(mesh_.triangles, h)] - origin;
       const double angle = std::atan2(dot(d, v), dot(d, u));
-      leaf.angle_rad = angle < 0 ? angle + 2 * std::numbers::pi : angle;
+      leaves.push_back({h, (tail_of(mesh_.triangles, h) == lower) != sides.is_turned(h / 3),
+                        angle < 0 ? angle + 2 * std::numbers::pi : angle});
     }
-    // Equal angles (overlapping triangles) keep the order of the file.
-    std::stable_sort(leaves_.begin(), leaves_.end(),
-                     [](const Leaf& a, const Leaf& b) { return a.angle_rad < b.angle_rad; });
+    std::sort(leaves.begin(), leaves.end(), [](const Leaf& x, const Leaf& y) {
+      return x.angle_rad != y.angle_rad ? x.angle_rad < y.angle_rad : x.half_edge < y.half_edge;
+    });
+    return leaves;
   }
 
   /// The normal of a forward triangle points to growing angles, that of a backward one to falling angles;
   /// material is opposite to the normal. So a wedge of material begins at a backward triangle and ends at the
   /// next forward.
-  bool pair_material_wedges() {
-    const std::size_t count = leaves_.size();
+  bool pair_material_wedges(const std::vector<Leaf>& leaves, Sides& sides) {
+    const std::size_t count = leaves.size();
     if (count % 2 != 0) return false;
     for (std::size_t i = 0; i < count; ++i)
-      if (leaves_[i].forward == leaves_[(i + 1) % count].forward) return false;
-    for (std::size_t i = 0; i < count; ++i)
-      if (!leaves_[i].forward) join(leaves_[i].half_edge, leaves_[(i + 1) % count].half_edge);
-    leaves_.clear();
+      if (leaves[i].forward == leaves[(i + 1) % count].forward) return false;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (leaves[i].forward) continue;
+      const std::uint32_t next = leaves[(i + 1) % count].half_edge;
+      join(leaves[i].half_edge, next);
+      sides.join(leaves[i].half_edge / 3, next / 3, false);
+    }
     return true;
   }
 
-  void pair_flattest_first() {
+  /// With `turn_pieces` pairs that disagree, without it pairs that agree. Two that disagree in one piece can
+  /// never be a pair.
+  bool pair_flattest_first(const std::vector<Leaf>& leaves, Sides& sides, bool turn_pieces) {
     struct Candidate {
-      bool disagrees;
       double bend_rad;
       std::size_t i, j;
     };
     std::vector<Candidate> candidates;
-    for (std::size_t i = 0; i < leaves_.size(); ++i)
-      for (std::size_t j = i + 1; j < leaves_.size(); ++j)
-        candidates.push_back({leaves_[i].forward == leaves_[j].forward,
-                              std::abs(std::numbers::pi - (leaves_[j].angle_rad - leaves_[i].angle_rad)), i,
-                              j});
-    std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-      return a.disagrees != b.disagrees ? b.disagrees : a.bend_rad < b.bend_rad;
-    });
-    for (const Candidate& c : candidates)
-      if (opposite_[leaves_[c.i].half_edge] == kNone && opposite_[leaves_[c.j].half_edge] == kNone)
-        join(leaves_[c.i].half_edge, leaves_[c.j].half_edge);
-    remove_paired();
+    for (std::size_t i = 0; i < leaves.size(); ++i)
+      for (std::size_t j = i + 1; j < leaves.size(); ++j)
+        candidates.push_back(
+            {std::abs(std::numbers::pi - (leaves[j].angle_rad - leaves[i].angle_rad)), i, j});
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.bend_rad < b.bend_rad; });
+    const auto agree = [&](const Leaf& a, const Leaf& b) {
+      // Turning a piece on the way here changes what `forward` said for its leaves.
+      const auto is_forward = [&](const Leaf& leaf) {
+        const std::uint32_t tail = tail_of(mesh_.triangles, leaf.half_edge);
+        return (tail < head_of(mesh_.triangles, leaf.half_edge)) != sides.is_turned(leaf.half_edge / 3);
+      };
+      return is_forward(a) != is_forward(b);
+    };
+    bool changed = false;
+    for (const Candidate& c : candidates) {
+      const std::uint32_t a = leaves[c.i].half_edge, b = leaves[c.j].half_edge;
+      if (pairs_[a] != kNone || pairs_[b] != kNone) continue;
+      const bool agreeing = agree(leaves[c.i], leaves[c.j]);
+      if (!agreeing && (!turn_pieces || sides.in_one_piece(a / 3, b / 3))) continue;
+      join(a, b);
+      sides.join(a / 3, b / 3, !agreeing);
+      changed = true;
+    }
+    return changed;
   }
 
-  const WorkingMesh& mesh_;
-  std::vector<std::uint32_t>& opposite_;
-  std::vector<Leaf> leaves_;
+  void turn(Sides& sides) {
+    std::vector<std::uint8_t> turned(mesh_.triangles.size());
+    for (std::uint32_t t = 0; t < turned.size(); ++t) {
+      turned[t] = sides.is_turned(t);
+      if (turned[t] && mesh_.report.reoriented_triangles++ == 0)
+        mesh_.note(fmt::format("triangle {} is oriented against its neighbours", mesh_.source[t]));
+    }
+    if (mesh_.report.reoriented_triangles > 0) turn_triangles(mesh_, pairs_, turned);
+  }
+
+  WorkingMesh& mesh_;
+  std::vector<std::uint32_t> pairs_;
+  std::vector<std::vector<std::uint32_t>> crowds_;  // unpaired half-edges of each crowded edge
 };
 
 }  // namespace
 
 std::vector<std::uint32_t> pair_edges(WorkingMesh& mesh, const EdgeGroups& edges) {
-  std::vector<std::uint32_t> opposite(3 * mesh.triangles.size(), kNone);
-  CrowdedEdge crowded(mesh, opposite);
-  edges.for_each([&](std::span<const GroupedHalfEdge> group) {
-    if (group.size() < 2) return;
-    if (group.size() == 2) {
-      opposite[group[0].half_edge()] = group[1].half_edge();
-      opposite[group[1].half_edge()] = group[0].half_edge();
-      return;
-    }
-    if (mesh.report.non_manifold_edges == 0) {
-      const std::uint32_t h = group[0].half_edge();
-      mesh.note(fmt::format("the edge between vertices {} and {} has {} triangles", tail_of(mesh.stored, h),
-                            head_of(mesh.stored, h), group.size()));
-    }
-    ++mesh.report.non_manifold_edges;
-    mesh.report.non_manifold_edges_open += crowded.pair(group) > 0;
-  });
-  return opposite;
+  return Pairing(mesh).run(edges);
 }
 
 }  // namespace nmc::conditioning

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Decides which triangles continue into which across every edge, also where more than two meet.
+// Decides which triangles continue into which across every edge, also where more than two meet, and orients
+// them.
 //
 // Based on: A. Gueziec, G. Taubin, F. Lazarus, B. Horn. Cutting and stitching: converting sets of polygons to
 // manifold surfaces. IEEE TVCG 2001 (stitching chosen per edge); pairing by angle around the edge.
@@ -13,17 +14,21 @@
 
 namespace nmc::conditioning {
 
-/// The partner of every half-edge, or kNone for an open one. Edges with two triangles are pairs. Around an
-/// edge with more, in this order:
-///   1. triangles that alone share the edge's stored vertices in the file stay together;
-///   2. where the rest alternates in orientation around the edge, it bounds wedges of material, and the two
-///   sides of
-///      each wedge are paired: solids that touch along an edge come apart;
-///   3. otherwise the flattest pairs go first, those of agreeing orientation before the others: crossing
-///   sheets
-///      pass through each other;
-///   4. what is left over is open.
-/// O(n + sum of k^2 over edges with k > 2 triangles).
+/// Returns the partner of every half-edge, or kNone for an open one; the triangles of `mesh` are turned so
+/// that the two half-edges of every pair run in opposite directions. In this order:
+///   1. An edge with two triangles is a pair, and so are two triangles that alone share the stored vertices
+///   of a
+///      crowded edge (one with more than two triangles): whoever wrote the file joined them.
+///   2. Pairs across which the surface cannot be oriented are opened (open_contradictory_pairs), and all are
+///      oriented.
+///   3. Where the remaining triangles of a crowded edge alternate in orientation, they bound wedges of
+///   material, and
+///      the two sides of each wedge are paired: solids that touch along an edge come apart. Elsewhere the
+///      flattest pairs of agreeing orientation go first: crossing sheets pass through each other.
+///   4. Pairs that do not agree, flattest first, where that only means to turn a whole piece around.
+///   5. What is left over is open.
+/// A second run on the result changes nothing: it finds all pairs in step 1, and what was left in step 5 is
+/// left again. O(n + sum of k^2 over crowded edges with k triangles).
 std::vector<std::uint32_t> pair_edges(WorkingMesh& mesh, const EdgeGroups& edges);
 
 }  // namespace nmc::conditioning

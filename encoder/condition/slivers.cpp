@@ -23,8 +23,9 @@ bool is_sliver(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 class SliverRemoval {
  public:
-  SliverRemoval(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite)
-      : mesh_(mesh), opposite_(opposite), removed_(mesh.triangles.size(), 0) {}
+  SliverRemoval(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite,
+                const std::vector<std::uint8_t>& is_seam)
+      : mesh_(mesh), opposite_(opposite), is_seam_(is_seam), removed_(mesh.triangles.size(), 0) {}
 
   void run() {
     std::vector<std::uint32_t> slivers = find();
@@ -126,6 +127,7 @@ class SliverRemoval {
     const std::uint32_t other = opposite_[h];
     const std::uint32_t from = tail_of(mesh_.triangles, moving[0]), to = tail_of(mesh_.triangles, staying[0]);
     if (both_on_boundary && other != kNone) return false;  // would pinch the surface
+    if (is_seam_[from] || is_seam_[to]) return false;
     // Link condition: the ends have no common neighbours but the apexes of the edge's triangles.
     const std::vector<std::uint32_t> a = neighbours(moving), b = neighbours(staying);
     std::vector<std::uint32_t> common;
@@ -176,7 +178,7 @@ class SliverRemoval {
     //      d                d
     const std::uint32_t a = tail_of(mesh_.triangles, h), b = head_of(mesh_.triangles, h);
     const std::uint32_t c = apex_of(mesh_.triangles, h), d = apex_of(mesh_.triangles, other);
-    if (c == d) return false;
+    if (c == d || (is_seam_[c] && is_seam_[d])) return false;  // another sheet may have the edge (c, d)
     const std::vector<std::uint32_t> around = neighbours(umbrella(previous_half_edge(h)));
     if (std::binary_search(around.begin(), around.end(), d)) return false;  // the edge (c, d) exists already
     if (conditioning::is_sliver(position(c), position(a), position(d)) ||
@@ -244,13 +246,15 @@ class SliverRemoval {
 
   WorkingMesh& mesh_;
   std::vector<std::uint32_t>& opposite_;
+  const std::vector<std::uint8_t>& is_seam_;
   std::vector<std::uint8_t> removed_;
 };
 
 }  // namespace
 
-void remove_slivers(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite) {
-  SliverRemoval(mesh, opposite).run();
+void remove_slivers(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite,
+                    const std::vector<std::uint8_t>& is_seam) {
+  SliverRemoval(mesh, opposite, is_seam).run();
 }
 
 }  // namespace nmc::conditioning

@@ -160,7 +160,7 @@ void connect(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite, const std:
 }  // namespace
 
 void fill_small_holes(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite,
-                      const ConditionOptions& options) {
+                      const std::vector<std::uint8_t>& is_seam, const ConditionOptions& options) {
   if (options.small_hole_edges < 3) return;
   if (std::find(opposite.begin(), opposite.end(), kNone) == opposite.end()) return;
   Pieces pieces = find_pieces(mesh, opposite);
@@ -177,13 +177,14 @@ void fill_small_holes(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite,
       for (const std::uint32_t h : loop) visited[h] = 1;
       if (loop.size() > options.small_hole_edges) continue;
       double length = 0;
-      bool one_triangle = true;
+      bool one_triangle = true, on_seam = false;
       for (const std::uint32_t h : loop) {
         length +=
             distance(mesh.positions[tail_of(mesh.triangles, h)], mesh.positions[head_of(mesh.triangles, h)]);
         one_triangle = one_triangle && h / 3 == start / 3;
+        on_seam = on_seam || is_seam[tail_of(mesh.triangles, h)];
       }
-      if (length > longest || one_triangle) continue;
+      if (length > longest || one_triangle || on_seam) continue;
       Piece& piece = pieces.list[pieces.of_triangle[start / 3]];
       // By the isoperimetric inequality a fill that is close to flat cannot be larger than length^2 / (4 pi);
       // loops that could pass are triangulated, the others not.

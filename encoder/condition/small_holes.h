@@ -18,7 +18,7 @@ namespace nmc::conditioning {
 /// `mesh` and `opposite` must be an oriented manifold and remain one. O(n + sum of edges^3 over the loops
 /// filled).
 void fill_small_holes(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite,
-                      const ConditionOptions& options);
+                      const std::vector<std::uint8_t>& is_seam, const ConditionOptions& options);
 
 }  // namespace nmc::conditioning
 

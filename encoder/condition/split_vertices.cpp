@@ -25,37 +25,67 @@ std::vector<Triangle> umbrella_corners(const std::vector<std::uint32_t>& opposit
   return corners;
 }
 
-/// An umbrella that passes the same edge twice, at both ends of the edge, would make four triangles meet on
-/// one pair of vertices. Opened, such an umbrella falls apart into chains that begin and end on that edge,
-/// one triangle each; a chain closes with its own end, and since a chain runs around its vertex in one
-/// direction, the two ends run in opposite directions along the edge. Joining them leaves the umbrellas as
-/// they are, so one round suffices.
-bool exchange_pairs_of_doubled_edges(std::vector<std::uint32_t>& opposite) {
-  std::vector<Triangle> corners = umbrella_corners(opposite);
-  std::vector<std::uint32_t> doubled;
-  EdgeGroups(corners, opposite.size()).for_each([&](std::span<const GroupedHalfEdge> group) {
-    const std::uint32_t h = group[0].half_edge();
-    if (group.size() == 1 || (group.size() == 2 && opposite[h] == group[1].half_edge())) return;
-    for (const GroupedHalfEdge& entry : group) doubled.push_back(entry.half_edge());
-  });
-  if (doubled.empty()) return false;
-  for (const std::uint32_t h : doubled) opposite[h] = kNone;
-  corners = umbrella_corners(opposite);
-  EdgeGroups(corners, opposite.size()).for_each([&](std::span<const GroupedHalfEdge> group) {
-    if (group.size() != 2) return;
-    const std::uint32_t a = group[0].half_edge(), b = group[1].half_edge();
-    if (tail_of(corners, a) == tail_of(corners, b)) return;
-    opposite[a] = b;
-    opposite[b] = a;
-  });
-  return true;
-}
+/// An umbrella that passes the same edge twice, at both ends of the edge, would make more than two triangles
+/// meet on one pair of vertices. Going around a vertex with the orientation, an umbrella always crosses an
+/// edge from the triangle that ends there to the one that starts there; so exchanging the partners of the two
+/// crossings splits it into two umbrellas, at both ends of the edge, and keeps every pair oriented. Each
+/// exchange raises the number of umbrellas, hence the loop ends.
+class DoubledEdges {
+ public:
+  explicit DoubledEdges(std::vector<std::uint32_t>& opposite) : opposite_(opposite) {}
+
+  void separate() {
+    const std::vector<Triangle> corners = umbrella_corners(opposite_);
+    EdgeGroups(corners, opposite_.size()).for_each([&](std::span<const GroupedHalfEdge> group) {
+      if (group.size() == 1 || (group.size() == 2 && opposite_[group[0].half_edge()] == group[1].half_edge()))
+        return;
+      // Half-edges that run one way and those that run the other way; an umbrella meets one of each per
+      // crossing.
+      std::vector<std::uint32_t> forward, backward;
+      for (const GroupedHalfEdge& entry : group) {
+        const std::uint32_t h = entry.half_edge();
+        (tail_of(corners, h) == tail_of(corners, group[0].half_edge()) ? forward : backward).push_back(h);
+      }
+      for (const std::vector<std::uint32_t>* list : {&forward, &backward})
+        for (std::size_t i = 0; i < list->size(); ++i)
+          for (std::size_t j = i + 1; j < list->size(); ++j) exchange_if_doubled((*list)[i], (*list)[j]);
+      for (const std::uint32_t a : forward)
+        for (const std::uint32_t b : backward) join_if_doubled(a, b);
+    });
+  }
+
+ private:
+  bool share_umbrella(std::uint32_t corner_a, std::uint32_t corner_b) const {
+    bool found = false;
+    for_each_in_umbrella(opposite_, corner_a,
+                         [&](std::uint32_t corner) { found = found || corner == corner_b; });
+    return found;
+  }
+
+  void exchange_if_doubled(std::uint32_t a, std::uint32_t b) {
+    if (!share_umbrella(a, b) || !share_umbrella(next_half_edge(a), next_half_edge(b))) return;
+    const std::uint32_t partner_a = opposite_[a], partner_b = opposite_[b];
+    opposite_[a] = partner_b;
+    opposite_[b] = partner_a;
+    if (partner_a != kNone) opposite_[partner_a] = b;
+    if (partner_b != kNone) opposite_[partner_b] = a;
+  }
+
+  /// Two open half-edges on one pair of vertices are the ends of one chain; it closes.
+  void join_if_doubled(std::uint32_t a, std::uint32_t b) {
+    if (opposite_[a] != kNone || opposite_[b] != kNone) return;
+    if (!share_umbrella(a, next_half_edge(b)) || !share_umbrella(next_half_edge(a), b)) return;
+    opposite_[a] = b;
+    opposite_[b] = a;
+  }
+
+  std::vector<std::uint32_t>& opposite_;
+};
 
 }  // namespace
 
 SplitVertices split_vertices(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite) {
-  if (mesh.report.non_manifold_edges > 0 || mesh.report.cut_edges > 0)
-    exchange_pairs_of_doubled_edges(opposite);
+  if (mesh.report.non_manifold_edges > 0 || mesh.report.cut_edges > 0) DoubledEdges(opposite).separate();
   const std::vector<Triangle> umbrellas = umbrella_corners(opposite);
   const std::size_t input_vertex_count = mesh.positions.size();
 
@@ -85,12 +115,17 @@ SplitVertices split_vertices(WorkingMesh& mesh, std::vector<std::uint32_t>& oppo
     met[welded] = 1;
   }
   split.welded.assign(mesh.positions.size(), kNone);
+  std::vector<std::uint32_t> copies(input_vertex_count, 0);
   for (std::uint32_t h = 0; h < opposite.size(); ++h) {
     std::uint32_t& vertex = mesh.triangles[h / 3][h % 3];
     const std::uint32_t renamed = umbrella_vertex[umbrellas[h / 3][h % 3]];
+    copies[vertex] += split.welded[renamed] == kNone;
     split.welded[renamed] = vertex;
     vertex = renamed;
   }
+  split.is_seam.resize(mesh.positions.size());
+  for (std::size_t v = 0; v < split.is_seam.size(); ++v)
+    split.is_seam[v] = split.welded[v] != kNone && copies[split.welded[v]] > 1;
   return split;
 }
 

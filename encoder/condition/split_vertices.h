@@ -13,11 +13,12 @@
 
 namespace nmc::conditioning {
 
-/// Both have one entry per vertex of the split mesh.
+/// All have one entry per vertex of the split mesh.
 struct SplitVertices {
   std::vector<std::uint32_t> source;  // vertex of the input
   std::vector<std::uint32_t>
       welded;  // what the vertex was called before the split, when sheets still shared it
+  std::vector<std::uint8_t> is_seam;  // another vertex has the same welded name: sheets touch here
 };
 
 /// Renames the corners of `mesh.triangles` so that two corners share a vertex exactly when pairs connect
