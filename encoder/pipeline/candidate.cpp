@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "encoder/pipeline/candidate.h"
+
+#include <cmath>
+#include <utility>
+
+#include "encoder/measure/compare_meshes.h"
+#include "encoder/normal_mesh/sample_correspondences.h"
+#include "encoder/pipeline/renumber.h"
+
+namespace nmc {
+
+struct Candidate::State {
+  std::shared_ptr<const Parameterization> parameterization;
+  const ReferenceSurface* reference = nullptr;
+  CandidateOptions options;
+  CandidateStatistics statistics;
+  std::unique_ptr<SurfaceIndex> index;      // of the parameterized surface
+  std::vector<Vec3> vertex_normals;         // of it
+  std::unique_ptr<InputSurface> input;
+  std::vector<std::uint8_t> base_creases;
+  NormalMesh mesh;                          // in stream order, fitted
+  std::unique_ptr<MeshQuantizer> quantizer;
+};
+
+Candidate::Candidate(std::shared_ptr<const Parameterization> parameterization, const ReferenceSurface& reference,
+                     const CandidateOptions& options, const Progress& progress)
+    : state_(std::make_unique<State>()) {
+  State& state = *state_;
+  state.parameterization = std::move(parameterization);
+  state.reference = &reference;
+  state.options = options;
+  const Parameterization& map = *state.parameterization;
+
+  report(progress, "normal mesh", 0);
+  state.index = std::make_unique<SurfaceIndex>(*map.surface);
+  state.vertex_normals = vertex_normals(*map.surface);
+  state.input = std::make_unique<InputSurface>(InputSurface{*state.index, state.vertex_normals});
+  const DomainParameterizedSurface surface(map);
+  InterpolatingOptions interpolating;
+  interpolating.level_count = options.coded_level_count;
+  InterpolatingResult interpolated = interpolate(surface, *state.index, base_of(map), interpolating);
+  for (const LevelStatistics& level : interpolated.levels) {
+    state.statistics.odd_vertex_count += level.vertex_count;
+    state.statistics.non_normal_count += level.non_normal_count;
+  }
+
+  report(progress, "normal mesh", 0.5);
+  SamplingOptions sampling;
+  sampling.subdivisions = options.samples_per_face_side;
+  SampleStatistics sampled;
+  std::vector<SurfaceSample> samples = sample_correspondences(
+      surface, *state.index, interpolated.mesh.hierarchy.level(options.coded_level_count), options.coded_level_count,
+      interpolated.positions, interpolated.parameters, sampling, &sampled);
+  state.statistics.replaced_samples = sampled.replaced;
+  state.statistics.doubtful_samples = sampled.doubtful;
+
+  const StreamOrder order = stream_order(interpolated.mesh.hierarchy);
+  state.base_creases = order.base_creases;
+  state.mesh = renumber(interpolated.mesh, order, samples);
+  state.statistics.base_vertex_count = state.mesh.hierarchy.level(0).vertex_count;
+  state.statistics.base_face_count = state.mesh.hierarchy.level(0).face_count;
+  for (int i = 0; i < options.smoothing_level_count; ++i) {
+    state.mesh.hierarchy.refine_to(state.mesh.hierarchy.level_count() + 1);
+    samples = samples_on_next_level(samples);
+  }
+
+  report(progress, "fit", 0);
+  GlobalFitOptions fit;
+  fit.coded_level_count = options.coded_level_count;
+  fit.reprojection_count = options.reprojection_count;
+  state.statistics.fit = global_fit(fit, state.input.get(), samples, state.mesh);
+  state.quantizer = std::make_unique<MeshQuantizer>(state.mesh, options.coded_level_count, std::move(samples),
+                                                    state.input.get());
+  report(progress, "fit", 1);
+}
+
+Candidate::~Candidate() = default;
+
+const CandidateStatistics& Candidate::statistics() const { return state_->statistics; }
+int Candidate::coded_level_count() const { return state_->options.coded_level_count; }
+const SubdivisionHierarchy& Candidate::hierarchy() const { return state_->mesh.hierarchy; }
+const std::vector<std::uint8_t>& Candidate::base_creases() const { return state_->base_creases; }
+
+MeasuredError Candidate::measure(const std::vector<Vec3>& positions, int level, std::size_t sample_count) const {
+  TriangleMesh result;
+  result.positions = positions;
+  result.triangles = level_triangles(hierarchy().level(level));
+  CompareOptions options;
+  options.normals = false;
+  options.colors = false;
+  options.sample_count = sample_count;
+  options.original_index = state_->reference->index.get();
+  const CompareResult compared = compare_meshes(state_->reference->mesh, result, options);
+  return {compared.rms, compared.maximum};
+}
+
+MeasuredError Candidate::fitted_error() const {
+  const int coded = state_->options.coded_level_count, shown = hierarchy().level_count();
+  std::vector<Vec3> positions = reconstruct(state_->mesh, coded);
+  for (int l = coded; l < shown; ++l) {
+    const LevelTopology& topology = hierarchy().level(l);
+    positions.resize(std::size_t{topology.vertex_count} + topology.edge_count);
+    reconstruct_odd_vertices(topology, hierarchy().ring_weights(), {}, nullptr, 0, topology.edge_count,
+                             positions.data());
+  }
+  return measure(positions, shown, 0);
+}
+
+Trial Candidate::quantize(double normal_step, const StreamDescription& description, const TrialOptions& options) {
+  Trial trial;
+  trial.steps = stream_steps(normal_step, state_->options.coded_level_count, options.eighths_per_level,
+                             options.eighths_base_to_level_0, options.eighths_tangential);
+  QuantizeOptions quantize;
+  quantize.normal_step = trial.steps.normal_step(state_->options.coded_level_count - 1);
+  quantize.step_ratio = std::exp2(options.eighths_per_level / 8.0);
+  quantize.tangential_ratio = std::exp2(options.eighths_tangential / 8.0);
+  quantize.base_step_factor = std::exp2((options.eighths_per_level - options.eighths_base_to_level_0) / 8.0);
+  quantize.base_origin = stream_origin(trial.steps, description.box.minimum).position(trial.steps);
+  quantize.lambda_factor = options.lambda_factor;
+  trial.normal_step = quantize.normal_step;
+  trial.mesh = state_->quantizer->quantize(quantize);
+  const StreamBytes stream = serialize(trial.mesh, hierarchy(), base_creases(), trial.steps, description);
+  trial.byte_count = stream.bytes.size();
+  const int level = hierarchy().level_count();
+  trial.error = measure(reconstruct(trial.mesh, hierarchy(), level), level,
+                        static_cast<std::size_t>(options.measure_sample_count));
+  return trial;
+}
+
+StreamBytes Candidate::finish(const Trial& trial, const StreamDescription& description) {
+  const auto measure_level = [&](const std::vector<Vec3>& positions, int level) {
+    return measure(positions, level, 0);
+  };
+  return serialize(trial.mesh, hierarchy(), base_creases(), trial.steps, description, measure_level);
+}
+
+}  // namespace nmc

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+// One way to code a surface: a base mesh, a number of levels, and everything prepared so that quantizing it with a
+// given step is quick.
+#ifndef NMC_ENCODER_PIPELINE_CANDIDATE_H_
+#define NMC_ENCODER_PIPELINE_CANDIDATE_H_
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "encoder/core/progress.h"
+#include "encoder/domain/parameterization.h"
+#include "encoder/fit/global_fit.h"
+#include "encoder/fit/quantize.h"
+#include "encoder/normal_mesh/interpolating_normal_mesh.h"
+#include "encoder/pipeline/serialize.h"
+
+namespace nmc {
+
+/// The surface that is coded, and how distances to it are measured.
+struct ReferenceSurface {
+  TriangleMesh mesh;                       // the input as measured against
+  std::unique_ptr<SurfaceIndex> index;     // of it
+  double diagonal = 0;
+};
+
+struct CandidateOptions {
+  int coded_level_count = 4;
+  int smoothing_level_count = 0;
+  int samples_per_face_side = 3;
+  int reprojection_count = 1;
+};
+
+/// Figures of a candidate before quantization.
+struct CandidateStatistics {
+  std::uint32_t base_vertex_count = 0, base_face_count = 0;
+  std::uint32_t odd_vertex_count = 0, non_normal_count = 0;
+  std::size_t replaced_samples = 0, doubtful_samples = 0;
+  GlobalFitResult fit;
+};
+
+struct TrialOptions {
+  int eighths_per_level = 7;
+  int eighths_base_to_level_0 = 7;
+  int eighths_tangential = 15;
+  int measure_sample_count = 0;  // per direction; 0: those of the final measurement
+  double lambda_factor = 0.08;
+};
+
+/// The outcome of quantizing with one step.
+struct Trial {
+  double normal_step = 0;
+  StreamSteps steps;
+  QuantizedMesh mesh;
+  std::size_t byte_count = 0;
+  MeasuredError error;
+};
+
+class Candidate {
+ public:
+  /// Builds the interpolating normal mesh on `parameterization`, brings it into stream order and fits it. Keeps
+  /// references to `reference` and shared ownership of the parameterization.
+  Candidate(std::shared_ptr<const Parameterization> parameterization, const ReferenceSurface& reference,
+            const CandidateOptions& options, const Progress& progress = {});
+  ~Candidate();
+
+  const CandidateStatistics& statistics() const;
+  int coded_level_count() const;
+  const SubdivisionHierarchy& hierarchy() const;
+  const std::vector<std::uint8_t>& base_creases() const;
+
+  /// Error of the fit before quantization, measured as the final one is.
+  MeasuredError fitted_error() const;
+
+  Trial quantize(double normal_step, const StreamDescription& description, const TrialOptions& options);
+
+  /// The final stream of a trial, all rows measured.
+  StreamBytes finish(const Trial& trial, const StreamDescription& description);
+
+  /// Distance between the input and the given vertices of a level, both ways.
+  MeasuredError measure(const std::vector<Vec3>& positions, int level, std::size_t sample_count) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace nmc
+
+#endif  // NMC_ENCODER_PIPELINE_CANDIDATE_H_

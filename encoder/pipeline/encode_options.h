@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a user can ask of the encoder.
+#ifndef NMC_ENCODER_PIPELINE_ENCODE_OPTIONS_H_
+#define NMC_ENCODER_PIPELINE_ENCODE_OPTIONS_H_
+
+#include <cstdint>
+#include <optional>
+
+#include "encoder/condition/condition.h"
+#include "encoder/core/progress.h"
+#include "libnmc/common/format.h"
+
+namespace nmc {
+
+/// What the file is made for. Errors are symmetric distances to the input.
+enum class TargetKind {
+  kMaximumError,  // in units of the input
+  kRmsError,      // in units of the input
+  kSize,          // in bytes
+};
+
+struct Target {
+  TargetKind kind = TargetKind::kMaximumError;
+  double value = 0;
+};
+
+struct EncodeOptions {
+  Target target;
+  int effort = 5;                       // 1 ... 9
+  std::optional<int> base_vertex_count; // default: chosen by cost
+  std::optional<int> level_count;       // default: chosen by cost
+  double crease_angle_degrees = 0;      // 0: no creases
+  ConditionOptions condition;
+  Units units = Units::kUnknown;
+  UpAxis up_axis = UpAxis::kUnknown;
+  Progress progress;
+};
+
+}  // namespace nmc
+
+#endif  // NMC_ENCODER_PIPELINE_ENCODE_OPTIONS_H_

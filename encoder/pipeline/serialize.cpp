@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "encoder/pipeline/serialize.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "encoder/core/error.h"
+#include "libnmc/encode/stream_writer.h"
+
+namespace nmc {
+
+namespace {
+
+void check(const Status& status) {
+  if (!status.ok()) {
+    throw Error(ExitCode::kInternal,
+                std::string("stream: ") + (status.message ? status.message : "out of memory"));
+  }
+}
+
+std::uint8_t step_code(int eighths) {
+  if (eighths < -64 || eighths > 191) throw Error(ExitCode::kLimit, "the steps of the levels lie too far apart");
+  return static_cast<std::uint8_t>(64 + eighths);
+}
+
+LevelCoefficients coefficients_of(const QuantizedMesh& mesh, int level) {
+  const auto l = static_cast<std::size_t>(level);
+  LevelCoefficients result;
+  if (!result.normal.resize(mesh.normal[l].size()) || !result.tangential.resize(mesh.tangential[l].size())) {
+    throw Error(ExitCode::kLimit, "out of memory");
+  }
+  std::copy(mesh.normal[l].begin(), mesh.normal[l].end(), result.normal.begin());
+  std::copy(mesh.tangential[l].begin(), mesh.tangential[l].end(), result.tangential.begin());
+  return result;
+}
+
+}  // namespace
+
+double StreamSteps::grid_step() const {
+  Header header;
+  header.step_mantissa = mantissa;
+  header.step_exponent = exponent;
+  return header.grid_step();
+}
+
+double StreamSteps::normal_step(int level) const {
+  return step_from_code(grid_step(), step_code(eighths_base_to_level_0 + level * eighths_per_level));
+}
+
+StreamSteps stream_steps(double finest_normal_step, int level_count, int eighths_per_level,
+                         int eighths_base_to_level_0, int eighths_tangential) {
+  StreamSteps steps;
+  steps.eighths_per_level = eighths_per_level;
+  steps.eighths_base_to_level_0 = eighths_base_to_level_0;
+  steps.eighths_tangential = eighths_tangential;
+  const int eighths = eighths_base_to_level_0 + (level_count - 1) * eighths_per_level;
+  const double grid = finest_normal_step * std::exp2(-eighths / 8.0);
+  // Ten bits of mantissa: a step within 0.1 % of the one asked for, in two bytes.
+  int exponent = 0;
+  const double mantissa = std::frexp(grid, &exponent);
+  steps.mantissa = static_cast<std::uint32_t>(std::lround(mantissa * 1024));
+  steps.exponent = exponent - 10;
+  return steps;
+}
+
+StreamOrigin stream_origin(const StreamSteps& steps, const Vec3& corner) {
+  StreamOrigin origin;
+  for (int k = 0; k < 3; ++k) {
+    const double at = std::floor(corner[k] / steps.grid_step());
+    if (std::abs(at) > static_cast<double>(kMaximumOrigin)) {
+      throw Error(ExitCode::kLimit, "the mesh lies too far from its origin for so fine a step: recentre it");
+    }
+    origin.at[k] = static_cast<std::int64_t>(at);
+  }
+  return origin;
+}
+
+Vec3 StreamOrigin::position(const StreamSteps& steps) const {
+  const double step = steps.grid_step();
+  return {static_cast<double>(at[0]) * step, static_cast<double>(at[1]) * step, static_cast<double>(at[2]) * step};
+}
+
+StreamBytes serialize(const QuantizedMesh& mesh, const SubdivisionHierarchy& hierarchy,
+                      const std::vector<std::uint8_t>& base_creases, const StreamSteps& steps,
+                      const StreamDescription& description, const MeasureLevel& measure) {
+  const LevelTopology& base = hierarchy.level(0);
+  const int coded_level_count = mesh.level_count();
+  const int level_count = coded_level_count + mesh.smoothing_level_count;
+  if (level_count > kMaximumLevelCount) throw Error(ExitCode::kLimit, "too many levels");
+
+  Header header;
+  header.units = description.units;
+  header.up_axis = description.up_axis;
+  header.has_creases = !base_creases.empty();
+  header.step_mantissa = steps.mantissa;
+  header.step_exponent = steps.exponent;
+  const StreamOrigin origin = stream_origin(steps, description.box.minimum);
+  for (int k = 0; k < 3; ++k) {
+    header.origin[k] = origin.at[k];
+    header.extent[k] = static_cast<std::uint64_t>(
+        std::ceil((description.box.maximum[k] - description.box.minimum[k]) / steps.grid_step()));
+  }
+  header.input_vertex_count = description.input_vertex_count;
+  header.input_triangle_count = description.input_triangle_count;
+  header.base_vertex_count = base.vertex_count;
+  header.base_face_count = base.face_count;
+  header.level_count = level_count;
+  header.tangential_code = step_code(steps.eighths_tangential);
+  for (int l = 0; l < level_count; ++l) {
+    const bool coded = l < coded_level_count;
+    header.step_code[l] =
+        coded ? step_code(steps.eighths_base_to_level_0 + l * steps.eighths_per_level) : std::uint8_t{64};
+    const double tension = coded ? mesh.quantizers[static_cast<std::size_t>(l)].tension.share : 1.0;
+    header.tension_code[l] = static_cast<std::uint8_t>(std::lround(4 * tension));
+  }
+
+  StreamWriter writer(header);
+  StreamBytes result;
+  const double diagonal = description.box.diagonal();
+  // A row closes when enough bytes have gathered to be worth its entry, and at the end.
+  const auto end_row = [&](int level) {
+    StreamRow row;
+    row.level = level;
+    if (measure) {
+      check(writer.mesh().update_positions(level));
+      const std::size_t count = hierarchy.level(level).vertex_count;
+      const Vec3* x = writer.mesh().positions();
+      row.error = measure(std::vector<Vec3>(x, x + count), level);
+    }
+    row.triangle_count = hierarchy.level(level).face_count;
+    row.end_offset = writer.chunks().size();
+    check(writer.end_layer(level, error_to_code(row.error.rms, diagonal), error_to_code(row.error.maximum, diagonal)));
+    result.rows.push_back(row);
+  };
+
+  Array<std::uint32_t> old_index;
+  const auto* coordinates = mesh.base_coordinates.front().data();
+  check(writer.add_base(base.face_vertices.data(), coordinates, base_creases.empty() ? nullptr : base_creases.data(),
+                        old_index));
+  for (std::uint32_t v = 0; v < base.vertex_count; ++v) {
+    if (old_index[v] != v) throw Error(ExitCode::kInternal, "the base mesh is not in stream order");
+  }
+  result.base_size = writer.chunks().size();
+
+  std::size_t row_start = 0;
+  const auto shown_level = [&](int levels_done) { return std::min(level_count, levels_done + 2); };
+  std::vector<LevelCoefficients> pending;
+  const auto flush = [&](int levels_done) {
+    if (pending.empty()) return;
+    std::vector<const LevelCoefficients*> pointers;
+    for (const LevelCoefficients& level : pending) pointers.push_back(&level);
+    const int first = levels_done - static_cast<int>(pending.size());
+    check(writer.add_levels(0, first, static_cast<int>(pending.size()), pointers.data()));
+    pending.clear();
+  };
+  constexpr std::size_t kSmallestRow = 512;
+  if (coded_level_count == 0 || writer.chunks().size() >= kSmallestRow) {
+    end_row(coded_level_count == 0 ? level_count : shown_level(0));
+    row_start = writer.chunks().size();
+  }
+  for (int l = 0; l < coded_level_count; ++l) {
+    const std::size_t before = writer.chunks().size();
+    pending.push_back(coefficients_of(mesh, l));
+    const bool last = l + 1 == coded_level_count;
+    // Levels grow: a level of few coefficients shares its chunk and row with the next one.
+    const std::size_t nonzero = static_cast<std::size_t>(std::count_if(
+        mesh.normal[static_cast<std::size_t>(l)].begin(), mesh.normal[static_cast<std::size_t>(l)].end(),
+        [](std::int32_t c) { return c != 0; }));
+    bool rest_is_small = true;  // what follows would not fill a row of its own
+    std::size_t rest = 0;
+    for (int m = l + 1; m < coded_level_count; ++m) {
+      for (const std::int32_t c : mesh.normal[static_cast<std::size_t>(m)]) rest += c != 0;
+    }
+    rest_is_small = rest < kSmallestRow / 2;
+    if (!last && (rest_is_small || nonzero + (before - row_start) < kSmallestRow)) continue;
+    flush(l + 1);
+    result.level_sizes.push_back(writer.chunks().size() - before);
+    end_row(last ? level_count : shown_level(l + 1));
+    row_start = writer.chunks().size();
+  }
+
+  Array<std::uint8_t> bytes;
+  check(writer.write_stream(bytes));
+  result.header_size = bytes.size() - writer.chunks().size();
+  for (StreamRow& row : result.rows) row.end_offset += result.header_size;
+  result.bytes.assign(bytes.begin(), bytes.end());
+  result.state_hash = writer.mesh().state_hash();
+  if (measure) result.position_hash = writer.mesh().position_hash(level_count);
+  return result;
+}
+
+}  // namespace nmc
