@@ -238,10 +238,11 @@ class Conditioner {
       nearby_.resize(input_.vertex_count(), 0);
       for (std::uint32_t v = 0; v < target.size(); ++v) {
         if (target[v] == v || nearby_[v]) continue;
-        if (std::find(nearby_.begin(), nearby_.end(), 1) == nearby_.end())
+        if (!noted_nearby_)
           mesh_.note(fmt::format("vertices {} and {} are {:g} apart", target[v], v,
                                  distance(mesh_.positions[target[v]], mesh_.positions[v])));
         nearby_[v] = 1;
+        noted_nearby_ = true;
       }
       conditioning::drop_degenerate(mesh_);
       group_again();
@@ -411,6 +412,7 @@ class Conditioner {
   double weld_radius_ = 0;
   std::vector<std::uint8_t> used_;              // input vertices that a usable triangle names
   std::vector<std::uint32_t> equal_;            // as equal_vertices()
+  bool noted_nearby_ = false;
   std::vector<std::uint8_t> nearby_;            // input vertices that weld_nearby() merged into others
   std::vector<std::uint32_t> source_, welded_;  // as SplitVertices
   std::vector<std::uint8_t> turned_;            // by component

@@ -178,7 +178,9 @@ class SliverRemoval {
     //      d                d
     const std::uint32_t a = tail_of(mesh_.triangles, h), b = head_of(mesh_.triangles, h);
     const std::uint32_t c = apex_of(mesh_.triangles, h), d = apex_of(mesh_.triangles, other);
-    if (c == d || (is_seam_[c] && is_seam_[d])) return false;  // another sheet may have the edge (c, d)
+    if (c == d) return false;
+    // Where sheets touch, another one may already have one of the new triangles.
+    if (is_seam_[a] || is_seam_[b] || is_seam_[c] || is_seam_[d]) return false;
     const std::vector<std::uint32_t> around = neighbours(umbrella(previous_half_edge(h)));
     if (std::binary_search(around.begin(), around.end(), d)) return false;  // the edge (c, d) exists already
     if (conditioning::is_sliver(position(c), position(a), position(d)) ||
