@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "libnmc/common/coded_mesh.h"
 
+#include <cstring>
+
 #include "libnmc/common/hash.h"
 
 namespace nmc {
@@ -15,6 +17,24 @@ CodedMesh::CodedMesh(Memory* memory, const Header* header)
   for (LevelTopology& topology : topology_) topology = LevelTopology(memory);
   for (LevelCoefficients& coefficients : coefficients_) coefficients = LevelCoefficients(memory);
   for (int& layer : layer_of_level_) layer = -1;
+  begin_layer();
+}
+
+void CodedMesh::begin_layer() {
+  marked_base_layer_ = base_layer_;
+  for (int level = 0; level < kMaximumLevelCount; ++level)
+    marked_layer_of_level_[level] = layer_of_level_[level];
+}
+
+bool CodedMesh::roll_back_layer() {
+  bool intact = base_layer_ == marked_base_layer_ && !correcting_;
+  for (int level = 0; level < kMaximumLevelCount; ++level) {
+    if (layer_of_level_[level] == marked_layer_of_level_[level]) continue;
+    if (marked_layer_of_level_[level] >= 0) intact = false;
+    layer_of_level_[level] = marked_layer_of_level_[level];
+    if (clean_level_ > level) clean_level_ = level;
+  }
+  return intact;
 }
 
 Status CodedMesh::set_base_topology() {
@@ -54,8 +74,10 @@ Status CodedMesh::begin_level(int layer, int level, LevelCoefficients& previous,
   NMC_TRY(ensure_topology(level, false));
   has_previous = layer > 0;
   if (!has_previous) return ok_status();
+  correcting_ = true;
   const LevelCoefficients& current = coefficients_[level];
-  if (!previous.normal.resize(current.normal.size()) || !previous.tangential.resize(current.tangential.size())) {
+  if (!previous.normal.resize(current.normal.size()) ||
+      !previous.tangential.resize(current.tangential.size())) {
     return no_memory();
   }
   const std::int64_t ratio = header_->layer_ratio[layer];
@@ -74,12 +96,15 @@ Status CodedMesh::begin_level(int layer, int level, LevelCoefficients& previous,
 }
 
 Status CodedMesh::end_level(int layer, int level) {
-  const LevelTopology& topology = topology_[level];
-  const std::size_t needed = std::size_t{topology.vertex_count} + topology.edge_count;
-  if (vertex_values_.size() < needed && !vertex_values_.resize(needed)) return no_memory();
-  const Array<std::int32_t>& normal = coefficients_[level].normal;
-  for (std::uint32_t e = 0; e < topology.edge_count; ++e) vertex_values_[topology.vertex_count + e] = normal[e];
+  if (level + 1 < header_->level_count) {  // contexts of the next level look at them
+    const LevelTopology& topology = topology_[level];
+    const std::size_t needed = std::size_t{topology.vertex_count} + topology.edge_count;
+    if (vertex_values_.size() < needed && !vertex_values_.resize(needed)) return no_memory();
+    std::memcpy(vertex_values_.data() + topology.vertex_count, coefficients_[level].normal.data(),
+                topology.edge_count * sizeof(std::int32_t));
+  }
   layer_of_level_[level] = layer;
+  correcting_ = false;
   if (clean_level_ > level) clean_level_ = level;
   return ok_status();
 }
@@ -89,7 +114,7 @@ LevelQuantizer CodedMesh::current_quantizer(int level) const {
   return header_->quantizer(level, layer < 0 ? 0 : layer);
 }
 
-Status CodedMesh::update_positions(int level) {
+Status CodedMesh::update_positions(int level, StopRequest stop) {
   if (base_layer_ < 0) return {StatusCode::kState, nullptr, "the base mesh is not there yet"};
   if (clean_level_ >= level) return ok_status();
   if (level > 0) NMC_TRY(ensure_topology(level - 1, false));
@@ -102,13 +127,20 @@ Status CodedMesh::update_positions(int level) {
     const std::int64_t ratio = header_->ratio_after(base_layer_);
     for (std::uint32_t v = 0; v < base_.vertex_count; ++v)
       for (int k = 0; k < 3; ++k)
-        positions_[v][k] = static_cast<double>(header_->origin[k] + ratio * base_.coordinates[3 * v + k]) * step;
+        positions_[v][k] =
+            static_cast<double>(header_->origin[k] + ratio * base_.coordinates[3 * v + k]) * step;
     clean_level_ = 0;
   }
+  constexpr std::uint32_t kEdgesPerPiece = 1 << 16;
   for (int l = clean_level_; l < level; ++l) {
-    reconstruct_odd_vertices(topology_[l], ring_weights_, current_quantizer(l),
-                             layer_of_level_[l] < 0 ? nullptr : &coefficients_[l], 0, topology_[l].edge_count,
-                             positions_.data());
+    const std::uint32_t edge_count = topology_[l].edge_count;
+    for (std::uint32_t first = 0; first < edge_count; first += kEdgesPerPiece) {
+      NMC_TRY(stop.check());
+      const std::uint32_t last = edge_count - first > kEdgesPerPiece ? first + kEdgesPerPiece : edge_count;
+      reconstruct_odd_vertices(topology_[l], ring_weights_, current_quantizer(l),
+                               layer_of_level_[l] < 0 ? nullptr : &coefficients_[l], first, last,
+                               positions_.data());
+    }
     clean_level_ = l + 1;
   }
   return ok_status();
@@ -135,9 +167,9 @@ std::uint64_t CodedMesh::state_hash() const {
 
 std::uint64_t CodedMesh::position_hash(int level) const {
   Hash64 hash;
-  const std::size_t count = level == 0 ? topology_[0].vertex_count
-                                       : std::size_t{topology_[level - 1].vertex_count} +
-                                             topology_[level - 1].edge_count;
+  const std::size_t count =
+      level == 0 ? topology_[0].vertex_count
+                 : std::size_t{topology_[level - 1].vertex_count} + topology_[level - 1].edge_count;
   for (std::size_t v = 0; v < count; ++v) hash.add_position(positions_[v]);
   return hash.value();
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The integers of a stream and what follows from them: the state that encoder and decoder walk through in step.
+// The integers of a stream and what follows from them: the state that encoder and decoder walk through in
+// step.
 //
 // The coding functions are templates over the coder, as in coefficient_coder.h; positions come from
 // reconstruct.h. A decoder is this class plus parsing, an encoder this class plus decisions.
@@ -14,6 +15,7 @@
 #include "libnmc/common/memory.h"
 #include "libnmc/common/reconstruct.h"
 #include "libnmc/common/status.h"
+#include "libnmc/common/stop_request.h"
 
 namespace nmc {
 
@@ -22,9 +24,9 @@ class CodedMesh {
   /// `memory` and `header` must outlive the object.
   CodedMesh(Memory* memory, const Header* header);
 
-  /// Base mesh: connectivity, creases, coordinates of quality layer 0. `lookup` and `seeds`: see BaseMeshModel;
-  /// null when decoding. An encoder sets `base()` coordinates by `coordinates_of_old`, 3 per vertex of its own
-  /// numbering, and reads the new numbering from `old_index`.
+  /// Base mesh: connectivity, creases, coordinates of quality layer 0. `lookup` and `seeds`: see
+  /// BaseMeshModel; null when decoding. An encoder sets `base()` coordinates by `coordinates_of_old`, 3 per
+  /// vertex of its own numbering, and reads the new numbering from `old_index`.
   template <class Coder>
   Status code_base(Coder& coder, const FaceLookup* lookup, const std::uint32_t* seeds,
                    const std::int32_t* coordinates_of_old, const std::uint8_t* creases_by_edge,
@@ -36,7 +38,14 @@ class CodedMesh {
   template <class Coder>
   Status code_level(Coder& coder, int layer, int level, const LevelCoefficients* target);
 
-  /// Share of parallelograms in the prediction of base vertices, in quarters. Encoders only, before code_base.
+  /// Marks the present state as one to go back to.
+  void begin_layer();
+  /// Takes back what was coded since begin_layer(). False when older values were corrected in place, so that
+  /// they are lost; the mesh is then of no use.
+  bool roll_back_layer();
+
+  /// Share of parallelograms in the prediction of base vertices, in quarters. Encoders only, before
+  /// code_base.
   void set_parallelogram_share(std::uint32_t quarters) { base_model_.set_parallelogram_share(quarters); }
 
   bool has_base() const { return base_layer_ >= 0; }
@@ -50,9 +59,9 @@ class CodedMesh {
   Status ensure_topology(int level, bool faces_only);
   const LevelTopology& topology(int level) const { return topology_[level]; }
 
-  /// Brings positions up to date for all vertices of `level`. Work is proportional to what has changed since the
-  /// last call. Needs ensure_topology(level - 1, false).
-  Status update_positions(int level);
+  /// Brings positions up to date for all vertices of `level`. Work is proportional to what has changed since
+  /// the last call.
+  Status update_positions(int level, StopRequest stop = {});
   const Vec3* positions() const { return positions_.data(); }
   /// Steps of the odd vertices of `level` in the quality layer they have reached.
   LevelQuantizer current_quantizer(int level) const;
@@ -79,11 +88,14 @@ class CodedMesh {
   LevelCoefficients coefficients_[kMaximumLevelCount];
   Array<std::int32_t> vertex_values_;  // normal coefficient with which each vertex was inserted
   Array<Vec3> positions_;
-  int topology_count_ = 0;             // levels with connectivity
+  int topology_count_ = 0;  // levels with connectivity
   bool last_is_faces_only_ = false;
   int base_layer_ = -1;
   int layer_of_level_[kMaximumLevelCount];
-  int clean_level_ = -1;               // positions are up to date for the vertices of this level
+  int clean_level_ = -1;        // positions are up to date for the vertices of this level
+  int marked_base_layer_ = -1;  // as they were at begin_layer()
+  bool correcting_ = false;     // values of an earlier layer are being overwritten
+  int marked_layer_of_level_[kMaximumLevelCount];
 };
 
 // ---- implementation ----
@@ -92,7 +104,7 @@ template <class Coder>
 Status CodedMesh::code_base(Coder& coder, const FaceLookup* lookup, const std::uint32_t* seeds,
                             const std::int32_t* coordinates_of_old, const std::uint8_t* creases_by_edge,
                             Array<std::uint32_t>* old_index) {
-  if (base_layer_ >= 0) return corrupt("4.3", "the base mesh comes twice");
+  NMC_CHECK_STREAM(base_layer_ < 0, "4.3", "the base mesh comes twice");
   base_.vertex_count = header_->base_vertex_count;
   base_.face_count = header_->base_face_count;
   Array<std::uint32_t> unused(memory_);
@@ -110,7 +122,8 @@ Status CodedMesh::code_base(Coder& coder, const FaceLookup* lookup, const std::u
   if (!base_.coordinates.resize(std::size_t{3} * base_.vertex_count)) return no_memory();
   if constexpr (!Coder::kDecodes) {
     for (std::uint32_t v = 0; v < base_.vertex_count; ++v)
-      for (std::uint32_t k = 0; k < 3; ++k) base_.coordinates[3 * v + k] = coordinates_of_old[3 * order[v] + k];
+      for (std::uint32_t k = 0; k < 3; ++k)
+        base_.coordinates[3 * v + k] = coordinates_of_old[3 * order[v] + k];
   }
   NMC_TRY(base_model_.code_coordinates(coder, memory_, topology_[0], base_));
   if (!vertex_values_.resize(base_.vertex_count)) return no_memory();
@@ -121,8 +134,8 @@ Status CodedMesh::code_base(Coder& coder, const FaceLookup* lookup, const std::u
 
 template <class Coder>
 Status CodedMesh::code_base_correction(Coder& coder, int layer, const std::int32_t* coordinates) {
-  NMC_CHECK_STREAM(base_layer_ >= 0 && layer == base_layer_ + 1 && layer < header_->quality_layer_count, "4.3",
-                   "a base correction comes out of order");
+  NMC_CHECK_STREAM(base_layer_ >= 0 && layer == base_layer_ + 1 && layer < header_->quality_layer_count,
+                   "4.3", "a base correction comes out of order");
   Array<std::int32_t> previous(memory_);
   const std::size_t count = base_.coordinates.size();
   if (!previous.resize(count)) return no_memory();
@@ -132,11 +145,13 @@ Status CodedMesh::code_base_correction(Coder& coder, int layer, const std::int32
                      "a base vertex lies outside the grid");
     previous[i] = static_cast<std::int32_t>(scaled);
   }
+  correcting_ = true;
   if constexpr (!Coder::kDecodes) {
     for (std::size_t i = 0; i < count; ++i) base_.coordinates[i] = coordinates[i];
   }
   NMC_TRY(base_model_.code_corrections(coder, previous.data(), static_cast<std::uint32_t>(count),
                                        base_.coordinates.data()));
+  correcting_ = false;
   base_layer_ = layer;
   base_changed();
   return ok_status();
@@ -149,7 +164,8 @@ Status CodedMesh::code_level(Coder& coder, int layer, int level, const LevelCoef
   NMC_TRY(begin_level(layer, level, previous, has_previous));
   LevelCoefficients& current = coefficients_[level];
   if constexpr (!Coder::kDecodes) {
-    if (!current.normal.resize(target->normal.size()) || !current.tangential.resize(target->tangential.size())) {
+    if (!current.normal.resize(target->normal.size()) ||
+        !current.tangential.resize(target->tangential.size())) {
       return no_memory();
     }
     for (std::size_t i = 0; i < target->normal.size(); ++i) current.normal[i] = target->normal[i];

@@ -2,7 +2,9 @@
 // The model of the coefficients: which decisions describe one level, and in which contexts (spec 5.3).
 //
 // One definition serves encoder, decoder and cost estimates: code_level() is a template over a Coder with
+//     static constexpr bool kDecodes;
 //     int code(int bit, std::uint32_t probability_16);
+//     Status check() const;    // decoders: not ok when it is useless to go on
 // An encoder writes `bit` and returns it, a decoder ignores it and returns what it reads, a counter adds up
 // -log2 of the probability. Contexts look at integers only, never at positions, so a decoder whose floating-point
 // unit were wrong would still stay in step.

@@ -296,6 +296,9 @@ Status CoefficientModel::code_level(Coder& coder, Memory* memory, int level, con
   const int level_class = level < kLevelClasses ? level : kLevelClasses - 1;
   const std::int32_t* before = previous ? previous->normal.data() : nullptr;
   for (std::uint32_t edge = 0; edge < topology.edge_count; ++edge) {
+    if constexpr (Coder::kDecodes) {
+      if ((edge & 8191u) == 0) NMC_TRY(coder.check());
+    }
     coefficients.normal[edge] =
         code_normal(coder, level_class, topology, vertex_values, before, edge, coefficients.normal.data());
   }

@@ -26,7 +26,9 @@ double times_power_of_two(double value, int exponent) {
 
 }  // namespace
 
-double Header::grid_step() const { return times_power_of_two(static_cast<double>(step_mantissa), step_exponent); }
+double Header::grid_step() const {
+  return times_power_of_two(static_cast<double>(step_mantissa), step_exponent);
+}
 
 double Header::diagonal() const {
   const double x = static_cast<double>(extent[0]), y = static_cast<double>(extent[1]),
@@ -55,7 +57,8 @@ double step_from_code(double grid_step, std::uint8_t code) {
 }
 
 std::uint16_t error_to_code(double error, double diagonal) {
-  if (!(error > 0) || !(diagonal > 0)) return 65535;
+  if (!(error >= 0) || !(diagonal > 0)) return kUnknownError;
+  if (error == 0) return kUnknownError - 1;
   const double code = std::floor(-2048 * std::log2(error / diagonal));
   int result = code < 0 ? 0 : code > 65534 ? 65534 : static_cast<int>(code);
   while (result > 0 && error_from_code(static_cast<std::uint16_t>(result), diagonal) < error) --result;
@@ -63,8 +66,19 @@ std::uint16_t error_to_code(double error, double diagonal) {
 }
 
 double error_from_code(std::uint16_t code, double diagonal) {
-  if (code == 65535) return 0;
-  return diagonal * std::exp2(-static_cast<double>(code) / 2048);
+  // 2^(-2^k / 2048) for the bits k of the fraction: no library function, so tools print the same on every
+  // machine.
+  constexpr double kRoots[11] = {
+      0.9996616064962437, 0.9993233275026507, 0.9986471128909702, 0.9972960560854701,
+      0.9945994234836332, 0.9892280131939755, 0.9785720620877001, 0.9576032806985737,
+      0.9170040432046712, 0.8408964152537145, 0.7071067811865476,
+  };
+  if (code == kUnknownError) return 0;
+  double factor = 1;
+  for (int k = 0; k < 11; ++k) {
+    if (code & (1u << k)) factor *= kRoots[k];
+  }
+  return diagonal * times_power_of_two(factor, -(code >> 11));
 }
 
 }  // namespace nmc

@@ -22,6 +22,9 @@ inline constexpr int kMaximumLayerCount = 16;
 inline constexpr std::uint32_t kMaximumTableSize = 1024;
 inline constexpr std::uint64_t kVerticesPerByte = 64;      // a level may hold kFreeVertices + 64 vertices per
 inline constexpr std::uint64_t kFreeVertices = 2048;       // byte of the stream up to the end of its chunk
+inline constexpr std::uint64_t kBaseFacesPerByte = 64;     // the base mesh may hold kFreeBaseFaces + 64 faces per
+inline constexpr std::uint64_t kFreeBaseFaces = 1024;      // byte of its chunk
+inline constexpr std::uint64_t kMaximumVertexCount = std::uint64_t{1} << 30;
 inline constexpr std::int64_t kMaximumOrigin = std::int64_t{1} << 51;
 
 // spec 3.2: types of chunks. Those with the top bit set are ancillary: a decoder that does not know one skips it.
@@ -83,6 +86,8 @@ struct Header {
 double step_from_code(double grid_step, std::uint8_t code);
 
 /// Error codes of the layer table. Encoding rounds up: the stated error is never below the measured one.
+/// kUnknownError stands for an error that was not measured, and decodes to 0.
+inline constexpr std::uint16_t kUnknownError = 65535;
 std::uint16_t error_to_code(double error, double diagonal);
 double error_from_code(std::uint16_t code, double diagonal);
 

@@ -45,8 +45,10 @@ class Memory {
       std::free(pointer);
   }
   bool limit_reached() const { return limit_reached_; }
+  void forget_limit_reached() { limit_reached_ = false; }
   std::uint64_t used() const { return used_; }
   std::uint64_t peak() const { return peak_; }
+  std::uint64_t remaining() const { return limit_ - used_; }
 
  private:
   AllocateFunction allocate_ = nullptr;
@@ -110,6 +112,22 @@ class Array {
     for (std::size_t i = 0; i < count; ++i) data_[i] = value;
     return true;
   }
+  /// Appends `count` elements from `values`, which must not lie in this array. Capacity at least doubles when it has
+  /// to grow and memory allows, so many small pieces cost linear time. False, and nothing changed, when memory is not
+  /// to be had.
+  [[nodiscard]] bool append(const T* values, std::size_t count) {
+    if (count > ~std::size_t{0} / 4 / sizeof(T) || size_ > ~std::size_t{0} / 4 / sizeof(T)) return false;
+    const std::size_t needed = size_ + count;
+    if (needed > capacity_) {
+      const bool may_double = !memory_ || memory_->remaining() / sizeof(T) >= 2 * capacity_;
+      if (!(may_double && needed < 2 * capacity_ && reserve(2 * capacity_)) && !reserve(needed)) return false;
+    }
+    std::memcpy(static_cast<void*>(data_ + size_), values, count * sizeof(T));
+    size_ = needed;
+    return true;
+  }
+  /// Drops the elements from `count` on; count <= size().
+  void truncate(std::size_t count) { size_ = count; }
   void clear() { size_ = 0; }
   /// Gives the memory back.
   void release() {

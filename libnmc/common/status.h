@@ -18,6 +18,7 @@ enum class StatusCode : std::int32_t {
   kTruncated = -24,
   kLimit = -30,
   kNoMemory = -32,
+  kStopped = -34,
   kArgument = -40,
   kState = -42,
 };

@@ -155,6 +155,17 @@ Status set_creases(const std::uint8_t* is_crease, LevelTopology& topology) {
   return ok_status();
 }
 
+void split_faces(const LevelTopology& coarse, std::uint32_t* fine_face_vertices) {
+  for (std::uint32_t f = 0; f < coarse.face_count; ++f) {
+    const std::uint32_t* v = coarse.face_vertices.data() + std::size_t{3} * f;
+    const std::uint32_t* e = coarse.face_edges.data() + std::size_t{3} * f;
+    const std::uint32_t m0 = coarse.vertex_count + e[0], m1 = coarse.vertex_count + e[1],
+                        m2 = coarse.vertex_count + e[2];
+    const std::uint32_t children[12] = {v[0], m2, m1, m2, v[1], m0, m1, m0, v[2], m0, m1, m2};
+    std::memcpy(fine_face_vertices + std::size_t{12} * f, children, sizeof children);
+  }
+}
+
 Status subdivide(const LevelTopology& coarse, bool faces_only, LevelTopology& fine) {
   const std::uint32_t V = coarse.vertex_count, E = coarse.edge_count, F = coarse.face_count;
   if (F > kNone / 16 || E > kNone / 16 || V > kNone / 2 - E) {
@@ -165,13 +176,7 @@ Status subdivide(const LevelTopology& coarse, bool faces_only, LevelTopology& fi
   fine.face_count = 4 * F;
   fine.base_vertex_count = coarse.base_vertex_count;
   if (!fine.face_vertices.resize(std::size_t{12} * F)) return no_memory();
-  for (std::uint32_t f = 0; f < F; ++f) {
-    const std::uint32_t* v = coarse.face_vertices.data() + std::size_t{3} * f;
-    const std::uint32_t* e = coarse.face_edges.data() + std::size_t{3} * f;
-    const std::uint32_t m0 = V + e[0], m1 = V + e[1], m2 = V + e[2];
-    const std::uint32_t children[12] = {v[0], m2, m1, m2, v[1], m0, m1, m0, v[2], m0, m1, m2};
-    std::memcpy(fine.face_vertices.data() + std::size_t{12} * f, children, sizeof children);
-  }
+  split_faces(coarse, fine.face_vertices.data());
   if (faces_only) return ok_status();
 
   if (!fine.face_edges.resize(std::size_t{12} * F) || !fine.edge_vertices.resize(std::size_t{2} * fine.edge_count) ||

@@ -79,6 +79,9 @@ Status build_base_topology(const std::uint32_t* face_vertices, std::uint32_t fac
 /// edges in any case. Call before the first split.
 Status set_creases(const std::uint8_t* is_crease, LevelTopology& base_topology);
 
+/// The corners of the 4 * face_count faces of the next finer level, 12 indices per face of `coarse`.
+void split_faces(const LevelTopology& coarse, std::uint32_t* fine_face_vertices);
+
 /// The next finer level. With `faces_only` only face_vertices and the counts are filled: all that a finest level
 /// needs. Fails with kNoMemory, or with kLimit when a count would not fit 32 bits.
 Status subdivide(const LevelTopology& coarse, bool faces_only, LevelTopology& fine);

@@ -68,8 +68,9 @@ Status parse_header(const std::uint8_t* data, std::size_t total_size, Header& he
   header.input_vertex_count = reader.read_varint();
   header.input_triangle_count = reader.read_varint();
   const std::uint64_t vertex_count = reader.read_varint(), face_count = reader.read_varint();
-  NMC_CHECK_STREAM(vertex_count >= 3 && vertex_count < kNone / 4 && face_count >= 1 && face_count < kNone / 4 &&
-                       vertex_count <= 3 * face_count && face_count <= 2 * vertex_count + kNone / 8,
+  NMC_CHECK_STREAM(vertex_count >= 3 && vertex_count < kNone / 4 && face_count >= 1 &&
+                       face_count < kNone / 4 && vertex_count <= 3 * face_count &&
+                       face_count <= 2 * vertex_count + kNone / 8,
                    "3.3.4", "the size of the base mesh is out of range");
   header.base_vertex_count = static_cast<std::uint32_t>(vertex_count);
   header.base_face_count = static_cast<std::uint32_t>(face_count);
@@ -79,8 +80,8 @@ Status parse_header(const std::uint8_t* data, std::size_t total_size, Header& he
   header.quality_layer_count = 1;
   if (has_layers) {
     header.quality_layer_count = reader.read_u8();
-    NMC_CHECK_STREAM(header.quality_layer_count >= 2 && header.quality_layer_count <= kMaximumLayerCount, "3.3.4",
-                     "the number of quality layers is out of range");
+    NMC_CHECK_STREAM(header.quality_layer_count >= 2 && header.quality_layer_count <= kMaximumLayerCount,
+                     "3.3.4", "the number of quality layers is out of range");
     std::uint64_t product = 1;
     for (int k = 1; k < header.quality_layer_count; ++k) {
       header.layer_ratio[k] = reader.read_u8();
@@ -105,8 +106,8 @@ Status parse_header(const std::uint8_t* data, std::size_t total_size, Header& he
     entry.level = reader.read_u8();
     entry.rms_error = reader.read_u16();
     entry.max_error = reader.read_u16();
-    NMC_CHECK_STREAM(entry.size > 0 && entry.size < (std::uint64_t{1} << 40) && entry.level <= level_count, "3.3.5",
-                     "a row of the layer table is out of range");
+    NMC_CHECK_STREAM(entry.size > 0 && entry.size < (std::uint64_t{1} << 40) && entry.level <= level_count,
+                     "3.3.5", "a row of the layer table is out of range");
   }
   NMC_CHECK_STREAM(!reader.overrun(), "3.3", "the header ends too early");
   NMC_CHECK_STREAM(!reader.malformed(), "2.2", "a number in the header is misspelt");

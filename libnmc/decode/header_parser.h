@@ -11,8 +11,9 @@
 
 namespace nmc {
 
-/// How many bytes signature, version, header and its checksum take in all: kNeedMoreInput until `size` bytes tell,
-/// else `total_size` is set. Fails on a wrong signature, version or size as soon as the bytes at hand show it.
+/// How many bytes signature, version, header and its checksum take in all: kNeedMoreInput until `size` bytes
+/// tell, else `total_size` is set. Fails on a wrong signature, version or size as soon as the bytes at hand
+/// show it.
 Status measure_header(const std::uint8_t* data, std::size_t size, std::size_t& total_size);
 
 /// Parses `total_size` bytes as measured. Every field is checked against its range.

@@ -6,15 +6,19 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "libnmc/common/status.h"
+#include "libnmc/common/stop_request.h"
+
 namespace nmc {
 
-/// Reads one entropy-coded payload. Past its end it reads zeros, which a valid payload needs up to four times;
-/// more is an error that `overrun()` tells after the payload.
+/// Reads one entropy-coded payload. Past its end it reads zeros, which a valid payload needs up to four
+/// times; more is an error that `overrun()` tells after the payload.
 class RangeDecoder {
  public:
   static constexpr bool kDecodes = true;
 
-  RangeDecoder(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {
+  RangeDecoder(const std::uint8_t* data, std::size_t size, StopRequest stop = {})
+      : data_(data), size_(size), stop_(stop) {
     for (int i = 0; i < 4; ++i) value_ = (value_ << 8) | next_byte();
   }
 
@@ -37,6 +41,12 @@ class RangeDecoder {
   }
   /// The payload ended too early for the decisions read from it.
   bool overrun() const { return excess_ > 4; }
+  /// Not ok when the payload has ended too early or the caller wants to stop. To be asked now and then, and
+  /// after the last decision.
+  Status check() const {
+    NMC_CHECK_STREAM(!overrun(), "5.1", "a chunk needs more bytes than it has");
+    return stop_.check();
+  }
   /// Every byte of the payload was looked at.
   bool consumed() const { return position_ == size_; }
 
@@ -49,6 +59,7 @@ class RangeDecoder {
 
   const std::uint8_t* data_;
   std::size_t size_;
+  StopRequest stop_;
   std::size_t position_ = 0;
   std::uint64_t excess_ = 0;
   std::uint32_t low_ = 0, high_ = 0xffffffffu, value_ = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "libnmc/decode/stream_decoder.h"
 
+#include <cstring>
+
 #include "libnmc/common/byte_reader.h"
 #include "libnmc/common/checksum.h"
 #include "libnmc/decode/header_parser.h"
@@ -8,41 +10,74 @@
 
 namespace nmc {
 
+namespace {
+
+constexpr std::size_t kChecksumSize = 4;
+constexpr std::size_t kLargestChunkHead = 11;  // type and a varint of at most ten bytes
+
+struct ChunkFrame {
+  std::uint8_t type = 0;
+  std::uint64_t payload_size = 0;
+  std::size_t head_size = 0;
+};
+
+/// Type and size of the chunk at `data`; kNeedMoreInput when they have not all arrived.
+Status read_chunk_frame(const std::uint8_t* data, std::size_t size, ChunkFrame& frame) {
+  ByteReader reader(data, size);
+  frame.type = reader.read_u8();
+  frame.payload_size = reader.read_varint();
+  frame.head_size = reader.position();
+  if (reader.overrun() && size < kLargestChunkHead) return {StatusCode::kNeedMoreInput, nullptr, nullptr};
+  NMC_CHECK_STREAM(!reader.malformed() && !reader.overrun(), "2.2", "the size of a chunk is misspelt");
+  return ok_status();
+}
+
+}  // namespace
+
 StreamDecoder::StreamDecoder(Memory* memory, const DecoderLimits& limits)
     : memory_(memory), limits_(limits), header_(memory), mesh_(memory, &header_), buffer_(memory) {}
 
 Status StreamDecoder::feed(const std::uint8_t* data, std::size_t size) {
-  if (at_end_ || size == 0) return ok_status();
+  if (!error_.status.ok()) return error_.status;
+  if (size == 0) return ok_status();
+  if (at_end_) {
+    has_bytes_after_end_ = true;
+    return ok_status();
+  }
   if (consumed_ > 0) {
     std::memmove(buffer_.data(), buffer_.data() + consumed_, buffer_.size() - consumed_);
     buffer_offset_ += consumed_;
-    if (!buffer_.resize(buffer_.size() - consumed_)) return no_memory();
+    checked_ -= consumed_;
+    buffer_.truncate(buffer_.size() - consumed_);
     consumed_ = 0;
   }
-  const std::size_t old_size = buffer_.size();
-  if (!buffer_.resize(old_size + size)) return no_memory();
-  std::memcpy(buffer_.data() + old_size, data, size);
+  if (!buffer_.append(data, size)) {
+    if (memory_ && memory_->limit_reached())
+      return {StatusCode::kLimit, "8", "the limit on memory is reached"};
+    return no_memory();
+  }
   return ok_status();
 }
 
-Status StreamDecoder::fail(Status status, std::uint64_t offset) {
+Status StreamDecoder::fail(Status status, std::uint64_t offset, std::uint8_t chunk_type) {
   if (status.code == StatusCode::kNoMemory && memory_ && memory_->limit_reached()) {
     status = {StatusCode::kLimit, "8", "the limit on memory is reached"};
   }
-  error_ = {offset, status};
+  error_ = {offset, chunk_type, status};
   return status;
 }
 
 Status StreamDecoder::check_limits() const {
-  if (header_.base_vertex_count > limits_.maximum_base_vertices || header_.level_count > limits_.maximum_levels) {
+  if (header_.base_vertex_count > limits_.maximum_base_vertices ||
+      static_cast<std::uint32_t>(header_.level_count) > limits_.maximum_levels ||
+      header_.base_vertex_count > limits_.maximum_vertices) {
     return {StatusCode::kLimit, "8", "the stream is larger than the limits allow"};
   }
   return ok_status();
 }
 
 std::uint64_t StreamDecoder::level_vertex_count(int level) const {
-  // Level 0: V, E <= 3 F. Each step adds E vertices and makes E' = 2 E + 3 F, F' = 4 F; 14 levels of 2^30 faces
-  // stay below 2^60.
+  // Each step adds E vertices and makes E' = 2 E + 3 F, F' = 4 F; 14 levels of 2^30 faces stay below 2^60.
   std::uint64_t v = header_.base_vertex_count, f = header_.base_face_count;
   std::uint64_t e = mesh_.has_base() ? mesh_.topology(0).edge_count : 3 * f;
   for (int l = 0; l < level; ++l) {
@@ -55,7 +90,7 @@ std::uint64_t StreamDecoder::level_vertex_count(int level) const {
 
 Status StreamDecoder::check_level_size(int level) const {
   const std::uint64_t vertex_count = level_vertex_count(level);
-  if (vertex_count > limits_.maximum_vertices) {
+  if (vertex_count > limits_.maximum_vertices || vertex_count > kMaximumVertexCount) {
     return {StatusCode::kLimit, "8", "the level has more vertices than the limits allow"};
   }
   const std::uint64_t bytes = buffer_offset_ + buffer_.size();
@@ -69,53 +104,12 @@ Status StreamDecoder::next(DecoderEvent& event) {
   event = DecoderEvent::kNeedMoreInput;
   if (!error_.status.ok()) return error_.status;
   if (at_end_) return ok_status();
-  if (!has_header_) {
-    std::size_t total_size = 0;
-    const Status measured = measure_header(buffer_.data(), buffer_.size(), total_size);
-    if (measured.code == StatusCode::kNeedMoreInput) return ok_status();
-    if (!measured.ok()) return fail(measured, 0);
-    if (buffer_.size() < total_size) return ok_status();
-    const Status parsed = parse_header(buffer_.data(), total_size, header_);
-    if (!parsed.ok()) return fail(parsed, 0);
-    const Status limited = check_limits();
-    if (!limited.ok()) return fail(limited, 0);
-    consumed_ = total_size;
-    has_header_ = true;
-    layer_end_offset_ = total_size;
-    layer_target_ = total_size + header_.layers[0].size;
-    event = DecoderEvent::kHeader;
-    return ok_status();
-  }
-  while (layers_complete_ < header_.layers.size()) {
-    const std::uint64_t chunk_offset = buffer_offset_ + consumed_;
-    const std::uint8_t* data = buffer_.data() + consumed_;
-    const std::size_t size = buffer_.size() - consumed_;
-    if (size == 0) return ok_status();
-    ByteReader reader(data, size);
-    const std::uint8_t type = reader.read_u8();
-    const std::uint64_t payload_size = reader.read_varint();
-    if (reader.overrun() && size < 11) return ok_status();
-    if (reader.malformed() || reader.overrun()) {
-      return fail(corrupt("2.2", "the size of a chunk is misspelt"), chunk_offset);
-    }
-    if (payload_size > limits_.maximum_chunk_size) {
-      return fail({StatusCode::kLimit, "8", "a chunk is too large"}, chunk_offset);
-    }
-    const std::size_t chunk_size = reader.position() + static_cast<std::size_t>(payload_size) + 4;
-    if (chunk_offset + chunk_size > layer_target_) {
-      return fail(corrupt("3.3.5", "a chunk reaches beyond its layer"), chunk_offset);
-    }
-    if (size < chunk_size) return ok_status();
-    ByteReader checksum(data + chunk_size - 4, 4);
-    if (checksum.read_u32() != crc32c(data, chunk_size - 4)) {
-      return fail({StatusCode::kChecksum, "3.2", "the checksum of a chunk is wrong"}, chunk_offset);
-    }
-    const Status decoded = decode_chunk(static_cast<ChunkType>(type), reader.current(),
-                                        static_cast<std::size_t>(payload_size));
-    if (!decoded.ok()) return fail(decoded, chunk_offset);
-    consumed_ += chunk_size;
-    if (buffer_offset_ + consumed_ < layer_target_) continue;
-    if (!mesh_.has_base()) return fail(corrupt("4.3", "the first layer has no base mesh"), chunk_offset);
+  if (!has_header_) return begin_stream(event);
+  if (layers_complete_ < header_.layers.size()) {
+    bool layer_is_complete = false;
+    NMC_TRY(check_arrived_chunks(layer_is_complete));
+    if (!layer_is_complete) return ok_status();
+    NMC_TRY(decode_layer());
     layer_end_offset_ = layer_target_;
     ++layers_complete_;
     if (layers_complete_ < header_.layers.size()) layer_target_ += header_.layers[layers_complete_].size;
@@ -123,45 +117,121 @@ Status StreamDecoder::next(DecoderEvent& event) {
     return ok_status();
   }
   at_end_ = true;
+  has_bytes_after_end_ = consumed_ < buffer_.size();
+  buffer_.release();
+  consumed_ = checked_ = 0;
+  buffer_offset_ = layer_end_offset_;
   event = DecoderEvent::kEnd;
+  return ok_status();
+}
+
+Status StreamDecoder::begin_stream(DecoderEvent& event) {
+  std::size_t total_size = 0;
+  const Status measured = measure_header(buffer_.data(), buffer_.size(), total_size);
+  if (measured.code == StatusCode::kNeedMoreInput) return ok_status();
+  if (!measured.ok()) return fail(measured, 0);
+  if (buffer_.size() < total_size) return ok_status();
+  const Status parsed = parse_header(buffer_.data(), total_size, header_);
+  if (!parsed.ok()) return fail(parsed, 0);
+  has_header_ = true;
+  header_size_ = layer_end_offset_ = total_size;
+  consumed_ = checked_ = total_size;
+  layer_target_ = total_size + header_.layers[0].size;
+  const Status limited = check_limits();
+  if (!limited.ok()) return fail(limited, 0);
+  event = DecoderEvent::kHeader;
+  return ok_status();
+}
+
+Status StreamDecoder::check_arrived_chunks(bool& layer_is_complete) {
+  while (buffer_offset_ + checked_ < layer_target_) {
+    const std::uint64_t offset = buffer_offset_ + checked_;
+    const std::uint8_t* data = buffer_.data() + checked_;
+    const std::size_t size = buffer_.size() - checked_;
+    if (size == 0) return ok_status();
+    ChunkFrame frame;
+    const Status framed = read_chunk_frame(data, size, frame);
+    if (framed.code == StatusCode::kNeedMoreInput) return ok_status();
+    if (!framed.ok()) return fail(framed, offset, frame.type);
+    if (frame.payload_size > kMaximumChunkSize || frame.payload_size > limits_.maximum_chunk_size) {
+      return fail({StatusCode::kLimit, "8", "a chunk is too large"}, offset, frame.type);
+    }
+    // At most 2^30 + 15: no overflow where size_t has 32 bits.
+    const std::size_t chunk_size =
+        frame.head_size + static_cast<std::size_t>(frame.payload_size) + kChecksumSize;
+    if (offset + chunk_size > layer_target_) {
+      return fail(corrupt("3.3.5", "a chunk reaches beyond its layer"), offset, frame.type);
+    }
+    if (size < chunk_size) return ok_status();
+    ByteReader checksum(data + chunk_size - kChecksumSize, kChecksumSize);
+    if (checksum.read_u32() != crc32c(data, chunk_size - kChecksumSize)) {
+      return fail({StatusCode::kChecksum, "3.2", "the checksum of a chunk is wrong"}, offset, frame.type);
+    }
+    checked_ += chunk_size;
+  }
+  layer_is_complete = true;
+  return ok_status();
+}
+
+Status StreamDecoder::decode_layer() {
+  mesh_.begin_layer();
+  while (buffer_offset_ + consumed_ < layer_target_) {
+    const std::uint64_t offset = buffer_offset_ + consumed_;
+    const std::uint8_t* data = buffer_.data() + consumed_;
+    ChunkFrame frame;
+    NMC_TRY(read_chunk_frame(data, buffer_.size() - consumed_, frame));
+    const auto payload_size = static_cast<std::size_t>(frame.payload_size);
+    const Status decoded =
+        decode_chunk(static_cast<ChunkType>(frame.type), data + frame.head_size, payload_size);
+    if (!decoded.ok()) {
+      mesh_is_lost_ = !mesh_.roll_back_layer();
+      return fail(decoded, offset, frame.type);
+    }
+    consumed_ += frame.head_size + payload_size + kChecksumSize;
+  }
+  if (!mesh_.has_base()) {
+    return fail(corrupt("4.3", "the first layer has no base mesh"), layer_end_offset_);
+  }
   return ok_status();
 }
 
 Status StreamDecoder::finish() {
   if (!error_.status.ok()) return error_.status;
-  if (at_end_ || (has_header_ && layers_complete_ == header_.layers.size())) return ok_status();
+  if (has_bytes_after_end_) {
+    return fail(corrupt("3.2", "bytes follow the last layer"), layer_end_offset_);
+  }
+  if (has_header_ && layers_complete_ == header_.layers.size()) return ok_status();
   return fail({StatusCode::kTruncated, "3.2", "the stream ends early"}, buffer_offset_ + buffer_.size());
 }
 
 Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, std::size_t size) {
   switch (type) {
     case ChunkType::kBaseMesh: {
-      // Every face costs well over 1/32 of a bit: an impossible count is refused before anything is allocated.
-      if (header_.base_face_count > 2048 + 256 * static_cast<std::uint64_t>(size)) {
+      // An impossible count is refused before anything is allocated.
+      if (header_.base_face_count > kFreeBaseFaces + kBaseFacesPerByte * static_cast<std::uint64_t>(size)) {
         return {StatusCode::kLimit, "8.2", "the base mesh has more faces than so few bytes may describe"};
       }
-      RangeDecoder coder(payload, size);
+      RangeDecoder coder(payload, size, limits_.stop);
       NMC_TRY(mesh_.code_base(coder, nullptr, nullptr, nullptr, nullptr, nullptr));
-      NMC_CHECK_STREAM(!coder.overrun(), "5.1", "the base mesh needs more bytes than it has");
-      return ok_status();
+      return coder.check();
     }
     case ChunkType::kBaseCorrection: {
       NMC_CHECK_STREAM(size >= 1, "4.6", "the chunk is too short");
-      RangeDecoder coder(payload + 1, size - 1);
+      RangeDecoder coder(payload + 1, size - 1, limits_.stop);
       NMC_TRY(mesh_.code_base_correction(coder, payload[0], nullptr));
-      NMC_CHECK_STREAM(!coder.overrun(), "5.1", "a chunk needs more bytes than it has");
-      return ok_status();
+      return coder.check();
     }
     case ChunkType::kGeometry: {
       NMC_CHECK_STREAM(size >= 3, "5.3", "the chunk is too short");
       const int layer = payload[0], first_level = payload[1], level_count = payload[2];
       NMC_CHECK_STREAM(level_count >= 1 && first_level + level_count <= header_.level_count, "5.3",
                        "a level that the header does not announce");
-      RangeDecoder coder(payload + 3, size - 3);
+      NMC_CHECK_STREAM(mesh_.has_base(), "4.3", "coefficients come before the base mesh");
+      RangeDecoder coder(payload + 3, size - 3, limits_.stop);
       for (int level = first_level; level < first_level + level_count; ++level) {
         NMC_TRY(check_level_size(level + 1));
         NMC_TRY(mesh_.code_level(coder, layer, level, nullptr));
-        NMC_CHECK_STREAM(!coder.overrun(), "5.1", "a chunk needs more bytes than it has");
+        NMC_TRY(coder.check());
       }
       return ok_status();
     }
@@ -171,20 +241,37 @@ Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, 
   }
 }
 
-Status StreamDecoder::update_positions(int level) {
-  if (layers_complete_ == 0 || level < 0 || level > header_.level_count) {
-    return {StatusCode::kState, nullptr, "the level is not there yet"};
+Status StreamDecoder::check_readable(int level) const {
+  if (mesh_is_lost_) return error_.status;
+  if (layers_complete_ == 0) return {StatusCode::kState, nullptr, "no layer is complete yet"};
+  if (level < 0 || level > header_.level_count) {
+    return {StatusCode::kArgument, nullptr, "the stream has no such level"};
   }
-  NMC_TRY(check_level_size(level));
-  return mesh_.update_positions(level);
+  return check_level_size(level);
 }
 
-Status StreamDecoder::update_topology(int level) {
-  if (layers_complete_ == 0 || level < 0 || level > header_.level_count) {
-    return {StatusCode::kState, nullptr, "the level is not there yet"};
+Status StreamDecoder::level_size(int level, std::uint32_t& vertex_count, std::uint32_t& face_count) const {
+  NMC_TRY(check_readable(level));
+  vertex_count = static_cast<std::uint32_t>(level_vertex_count(level));
+  face_count = header_.base_face_count << (2 * level);
+  return ok_status();
+}
+
+Status StreamDecoder::update_positions(int level) {
+  NMC_TRY(check_readable(level));
+  return mesh_.update_positions(level, limits_.stop);
+}
+
+Status StreamDecoder::read_indices(int level, std::uint32_t* indices) {
+  NMC_TRY(check_readable(level));
+  if (level == 0) {
+    std::memcpy(indices, mesh_.topology(0).face_vertices.data(),
+                mesh_.topology(0).face_vertices.size() * sizeof(std::uint32_t));
+    return ok_status();
   }
-  NMC_TRY(check_level_size(level));
-  return mesh_.ensure_topology(level, true);
+  NMC_TRY(mesh_.ensure_topology(level - 1, false));
+  split_faces(mesh_.topology(level - 1), indices);
+  return ok_status();
 }
 
 }  // namespace nmc

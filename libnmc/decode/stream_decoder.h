@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The state machine of a decoder: bytes in, events out (spec 3, 4). The C API of nmc.h is a thin skin over it.
+// The state machine of a decoder: bytes in, events out (spec 3, 4). The C API of nmc.h is a thin skin over
+// it.
 //
-// It suspends only between chunks: what is inside a chunk is parsed by plain code over a whole buffer.
+// It suspends only between layers: the chunks of a layer are checked as they arrive and decoded together when
+// the last of them is there, so that what can be read is always the state of a whole row of the layer table,
+// and a damaged byte anywhere in a layer leaves the layers before it as they are.
 #ifndef NMC_DECODE_STREAM_DECODER_H_
 #define NMC_DECODE_STREAM_DECODER_H_
 
@@ -12,22 +15,26 @@
 #include "libnmc/common/format.h"
 #include "libnmc/common/memory.h"
 #include "libnmc/common/status.h"
+#include "libnmc/common/stop_request.h"
 
 namespace nmc {
 
 struct DecoderLimits {
   std::uint32_t maximum_base_vertices = 1u << 20;
   std::uint64_t maximum_vertices = 100'000'000;
-  int maximum_levels = kMaximumLevelCount;
+  std::uint32_t maximum_levels = kMaximumLevelCount;
   std::uint32_t maximum_chunk_size = kMaximumChunkSize;
+  StopRequest stop;
 };
 
-/// What next() has found. Order: kHeader once, then kLayer once for each row of the layer table, then kEnd once.
+/// What next() has found. Order: kHeader once, then kLayer once for each row of the layer table, then kEnd
+/// once.
 enum class DecoderEvent { kNeedMoreInput, kHeader, kLayer, kEnd };
 
 /// Where and why decoding failed.
 struct DecoderError {
-  std::uint64_t byte_offset = 0;  // of the chunk or header field at fault
+  std::uint64_t byte_offset = 0;  // of the header or chunk at fault
+  std::uint8_t chunk_type = 0;    // of the chunk at fault; 0 when it is none
   Status status;
 };
 
@@ -35,36 +42,47 @@ class StreamDecoder {
  public:
   StreamDecoder(Memory* memory, const DecoderLimits& limits);
 
-  /// Appends bytes; any split of a stream gives the same events. Fails only for want of memory.
+  /// Appends bytes; any split of a stream gives the same events. Fails for want of memory, with nothing
+  /// appended, and after an error.
   Status feed(const std::uint8_t* data, std::size_t size);
 
-  /// The next event, or kNeedMoreInput. An error is final: the same status returns at every further call, and all
-  /// layers that were complete stay readable.
+  /// The next event, or kNeedMoreInput. An error is final: the same status returns at every further call, and
+  /// all layers that were complete stay readable (but see update_positions).
   Status next(DecoderEvent& event);
 
-  /// No more bytes will come: kTruncated when layers of the table are missing.
+  /// No more bytes will come: kTruncated when layers of the table are missing, kCorrupt when bytes follow
+  /// them.
   Status finish();
 
+  bool has_header() const { return has_header_; }
   const Header& header() const { return header_; }
+  std::uint64_t header_size() const { return header_size_; }
   /// Rows of the layer table that are complete; the mesh to show is that of row layers_complete() - 1.
   std::size_t layers_complete() const { return layers_complete_; }
   /// Bytes of the stream up to the end of the last complete layer.
   std::uint64_t layer_end_offset() const { return layer_end_offset_; }
   const CodedMesh& mesh() const { return mesh_; }
 
-  /// Positions of the vertices of `level` in the state of the last complete layer, into the decoder's own array.
-  /// Legal from the first kLayer event on, for every level of the header. kLimit when the level would hold more
-  /// vertices than the limits or the bytes so far allow (spec 8.2).
+  /// Vertices and faces of `level`. Legal from the first kLayer event on, for every level of the header.
+  /// kLimit when the level would hold more vertices than the limits or the bytes so far allow (spec 8.2).
+  Status level_size(int level, std::uint32_t& vertex_count, std::uint32_t& face_count) const;
+  /// Positions of the vertices of `level` in the state of the last complete layer, into mesh().positions().
+  /// Legal as level_size. After an error inside a layer whose checksums were right the older state may be
+  /// lost, and then this returns that error.
   Status update_positions(int level);
-  /// Connectivity of `level`, as above.
-  Status update_topology(int level);
+  /// Three vertex indices per face of `level`, 3 * face_count in all. Legal as level_size.
+  Status read_indices(int level, std::uint32_t* indices);
 
   const DecoderError& error() const { return error_; }
 
  private:
-  Status fail(Status status, std::uint64_t offset);
+  Status fail(Status status, std::uint64_t offset, std::uint8_t chunk_type = 0);
   Status check_limits() const;
   Status check_level_size(int level) const;
+  Status check_readable(int level) const;
+  Status begin_stream(DecoderEvent& event);
+  Status check_arrived_chunks(bool& layer_is_complete);
+  Status decode_layer();
   Status decode_chunk(ChunkType type, const std::uint8_t* payload, std::size_t size);
   std::uint64_t level_vertex_count(int level) const;
 
@@ -72,13 +90,16 @@ class StreamDecoder {
   DecoderLimits limits_;
   Header header_;
   CodedMesh mesh_;
-  Array<std::uint8_t> buffer_;           // bytes not yet consumed start at buffer_[consumed_]
-  std::size_t consumed_ = 0;
-  std::uint64_t buffer_offset_ = 0;      // stream offset of buffer_[0]
+  Array<std::uint8_t> buffer_;  // bytes from stream offset buffer_offset_ on
+  std::size_t consumed_ = 0;    // bytes of buffer_ that are decoded
+  std::size_t checked_ = 0;     // bytes of buffer_ in chunks whose framing and checksum are right
+  std::uint64_t buffer_offset_ = 0;
+  std::uint64_t header_size_ = 0;
   std::uint64_t layer_end_offset_ = 0;
-  std::uint64_t layer_target_ = 0;       // stream offset at which the next row of the table is complete
+  std::uint64_t layer_target_ = 0;  // stream offset at which the next row of the table is complete
   std::size_t layers_complete_ = 0;
   bool has_header_ = false, at_end_ = false;
+  bool has_bytes_after_end_ = false, mesh_is_lost_ = false;
   DecoderError error_;
 };
 
