@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 
 #include "encoder/core/parallel.h"
 
@@ -57,7 +58,7 @@ Targets triangle_targets(const SurfaceMap& map, const std::vector<double>& scale
     const Triangle t = table.face(f);
     TriangleShape shape = triangle_shape(map.position(t[0]), map.position(t[1]), map.position(t[2]));
     double sum = 0;
-    for (const std::uint32_t v : t) sum += scale[map.point(v).face];
+    for (const std::uint32_t v : t) sum += scale[map.point(v).face] * map.density(v);
     shape.area *= sum / 3;
     targets.shapes[i] = shape;
   });
@@ -120,7 +121,7 @@ std::vector<double> domain_scale(const SurfaceMap& map) {
     const Triangle t = table.face(f);
     const Vec3& a = map.position(t[0]);
     const double third = norm(cross(map.position(t[1]) - a, map.position(t[2]) - a)) / 6;
-    for (const std::uint32_t v : t) area[map.point(v).face] += third;
+    for (const std::uint32_t v : t) area[map.point(v).face] += third * map.density(v);
   }
   for (std::uint32_t f = 0; f < domain.face_count(); ++f) {
     total[domain.component(f)] += area[f];
@@ -130,7 +131,8 @@ std::vector<double> domain_scale(const SurfaceMap& map) {
     const double mean = total[domain.component(f)] / count[domain.component(f)];
     area[f] = std::log(mean > 0 ? std::max(area[f], 0.05 * mean) : 1.0);
   }
-  for (int pass = 0; pass < 3; ++pass) {
+  static const int P = getenv("PASS") ? atoi(getenv("PASS")) : 3;
+  for (int pass = 0; pass < P; ++pass) {
     std::vector<double> smooth(area.size());
     for (std::uint32_t f = 0; f < domain.face_count(); ++f) {
       double sum = 2 * area[f], weight = 2;

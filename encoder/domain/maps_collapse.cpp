@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numeric>
 
+#include "encoder/domain/extremities.h"
 #include "encoder/domain/quadric.h"
 #include "encoder/domain/surface_chains.h"
 #include "encoder/domain/vertex_queue.h"
@@ -33,6 +35,9 @@ double valence_penalty(int valence) {
   return 1;
 }
 
+/// Extremities are sought when this many vertices are left, or six times the largest base.
+constexpr std::size_t kExtremityLevel = 3000;
+
 class Collapser {
  public:
   Collapser(CollapseHistory& history, const CollapseOptions& options)
@@ -59,10 +64,20 @@ class Collapser {
       if (table_.corner_at(v) != kNone && history_.kinds[v] != VertexKind::kLocked)
         queue_.set(v, hoped_cost(v));
     const std::size_t start_count = live_count_;
+    std::size_t extremity_level = kExtremityLevel;
+    for (const int size : base_sizes)
+      extremity_level = std::max(extremity_level, static_cast<std::size_t>(6 * std::max(size, 1)));
     for (const std::size_t index : order) {
       const auto target = static_cast<std::size_t>(std::max(base_sizes[index], 1));
       while (live_count_ > target) {
         strict_ = live_count_ < 2 * target;
+        if (!extremities_found_ && live_count_ <= extremity_level) protect_extremities();
+        while (protected_count_ > 0 && static_cast<double>(protected_count_) >
+                                           options_.extremity_share * static_cast<double>(live_count_)) {
+          const std::uint32_t v = extremities_[--protected_count_];
+          protected_[v] = 0;
+          refresh(v);
+        }
         if (!step()) break;
         if (live_count_ % 8192 == 0)
           report(progress, "base mesh",
@@ -89,6 +104,7 @@ class Collapser {
 
   void accumulate_quadrics() {
     quadrics_.assign(positions_.size(), {});
+    weight_.assign(positions_.size(), 0);
     for (std::uint32_t f = 0; f < table_.real_face_count(); ++f) {
       const Triangle t = table_.face(f);
       const Vec3 doubled = cross(positions_[t[1]] - positions_[t[0]], positions_[t[2]] - positions_[t[0]]);
@@ -96,7 +112,10 @@ class Collapser {
       if (!(length > 0)) continue;
       const Vec3 normal = doubled / length;
       const Quadric q = plane_quadric(normal, positions_[t[0]], 0.5 * length);
-      for (const std::uint32_t v : t) quadrics_[v] += q;
+      for (const std::uint32_t v : t) {
+        quadrics_[v] += q;
+        weight_[v] += 0.5 * length;
+      }
       for (Corner c = 3 * f; c < 3 * f + 3; ++c) {
         if (!history_.is_chain_edge(table_, c)) continue;
         const std::uint32_t a = table_.vertex(CornerTable::next(c)),
@@ -122,7 +141,21 @@ class Collapser {
     const std::uint32_t b = table_.vertex(table_.opposite(CornerTable::previous(c)));
     if (valence_[a] <= 5 && !table_.is_ghost_vertex(a)) penalty *= valence_penalty(valence_[a] - 1);
     if (valence_[b] <= 5 && !table_.is_ghost_vertex(b)) penalty *= valence_penalty(valence_[b] - 1);
-    return (std::max(error, 0.0) + options_.length_weight * length * length) * penalty;
+    static const double G = getenv("GA") ? atof(getenv("GA")) : 0;
+    return (std::max(error, 0.0) + options_.length_weight * length * length) * penalty /
+           std::pow(weight_[v] + 1e-12, G);
+  }
+
+  void protect_extremities() {
+    extremities_found_ = true;
+    protected_.assign(table_.real_vertex_count(), 0);
+    extremities_ = find_extremities(table_, positions_, options_.extremity_prominence);
+    std::erase_if(extremities_, [this](std::uint32_t v) { return history_.kinds[v] != VertexKind::kSmooth; });
+    protected_count_ = extremities_.size();
+    for (const std::uint32_t v : extremities_) {
+      protected_[v] = 1;
+      queue_.set(v, kInfinity);
+    }
   }
 
   /// What does not depend on geometry and is cheap: may vertex(c) go to vertex(next(c)) at all?
@@ -136,6 +169,7 @@ class Collapser {
   /// The lowest cost over the neighbours, validity not checked: a lower bound.
   double hoped_cost(std::uint32_t v) const {
     double best = kInfinity;
+    if (extremities_found_ && protected_[v]) return best;
     const Corner first = table_.corner_at(v);
     Corner c = first;
     do {
@@ -153,6 +187,7 @@ class Collapser {
   /// The cheapest valid collapse of v, or a cost of infinity.
   Candidate best_candidate(std::uint32_t v) {
     candidates_.clear();
+    if (extremities_found_ && protected_[v]) return {kInfinity, kNone};
     const Corner first = table_.corner_at(v);
     Corner c = first;
     do {
@@ -285,6 +320,7 @@ class Collapser {
     --valence_[a];
     --valence_[b];
     quadrics_[u] += quadrics_[v];
+    weight_[u] += weight_[v];
     own_error_[u] = quadrics_[u](positions_[u]);
     queue_.remove(v);
     refresh(u);
@@ -312,12 +348,16 @@ class Collapser {
   VertexQueue queue_;
   std::vector<Vec3> positions_;
   std::vector<Quadric> quadrics_;
-  std::vector<double> own_error_;
+  std::vector<double> own_error_, weight_;
   std::vector<int> valence_;
   std::vector<std::uint32_t> mark_;
   std::uint32_t stamp_ = 0;
   std::size_t live_count_ = 0;
   std::vector<Candidate> candidates_;
+  std::vector<std::uint32_t> extremities_;  // most prominent first; the first protected_count_ may not go
+  std::vector<std::uint8_t> protected_;
+  std::size_t protected_count_ = 0;
+  bool extremities_found_ = false;
   bool strict_ = false;  // near a base: valences of at least 4 and at most 9
   int relaxed_ = 0;  // raised when nothing else is left: 1 allows chords and low valences, 2 lets faces turn
 };

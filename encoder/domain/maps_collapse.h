@@ -25,6 +25,10 @@ struct CollapseOptions {
   /// Weight of the fourth power of the edge length against the quadric error, which has the same unit: keeps
   /// base triangles round where the surface is flat.
   double length_weight = 2e-3;
+  /// Tips of limbs (extremities.h) stay while they are at most this share of the vertices; least prominence
+  /// of a tip relative to the square root of the surface area.
+  double extremity_share = 0.25;
+  double extremity_prominence = 0.015;
 };
 
 /// What a vertex may do: kSmooth moves in two dimensions, kChain along a boundary loop or crease, kLocked

@@ -20,6 +20,8 @@ struct RelaxationOptions {
   double dirichlet_weight = 1;
   double area_weight = 4;
   double barrier_weight = 0;
+  double density_exponent = 0.33;
+  double maximum_density = 16;
   int sweeps_per_level = 4;
   int final_sweeps = 8;
 };

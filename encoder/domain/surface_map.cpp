@@ -90,6 +90,7 @@ void SurfaceMap::build_domain() {
   }
   domain_ = BaseDomain(base_vertices_.size(), std::move(faces), creases);
 
+  density_.assign(vertex_count, 1.0);
   points_.assign(vertex_count, {});
   for (const std::uint32_t v : base_vertices_) points_[v] = domain_.cone_point(base_index[v]);
   for (std::uint32_t f = 0; f < face_count; ++f) {
@@ -383,7 +384,7 @@ double SurfaceMap::energy(const std::vector<std::uint32_t>& faces, const EnergyW
     double density = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       p[k] = charts_[f].maps[k](points_[t[k]].at);
-      density += scale[points_[t[k]].face] / 3;
+      density += scale[points_[t[k]].face] * density_[t[k]] / 3;
     }
     const double target = std::max(shape.area * density, 1e-12);
     const double area = 0.43301270189221932 * face_ratio(p[0], p[1], p[2]);
@@ -442,8 +443,10 @@ void SurfaceMap::descend(std::uint32_t v, const EnergyWeights& weights, const st
       const TriangleShape shape = triangle_shape(position(v), position(q), position(r));
       const auto [qx, qy] = to_cartesian(t.q);
       const auto [rx, ry] = to_cartesian(t.r);
-      const double target =
-          shape.area * (scale[p.face] + scale[points_[q].face] + scale[points_[r].face]) / 3;
+      const double target = shape.area *
+                            (scale[p.face] * density_[v] + scale[points_[q].face] * density_[q] +
+                             scale[points_[r].face] * density_[r]) /
+                            3;
       model.add(weights, zx, zy, qx, qy, rx, ry, shape.cotangents[1], shape.cotangents[2],
                 std::max(target, 1e-12));
     }
@@ -478,6 +481,18 @@ std::uint32_t SurfaceMap::undo_step(const EnergyWeights& weights, const std::vec
   table_.undo_collapse(step);
   ++live_vertex_count_;
   const std::uint32_t v = table_.vertex(step);
+  double sum = 0;
+  int neighbors = 0;
+  Corner c = step;
+  do {
+    const std::uint32_t w = table_.vertex(CornerTable::next(c));
+    if (!table_.is_ghost_vertex(w)) {
+      sum += density_[w];
+      ++neighbors;
+    }
+    c = table_.rotate(c);
+  } while (c != step);
+  density_[v] = sum / neighbors;
   place_vertex(v, step, weights, scale);
   return v;
 }

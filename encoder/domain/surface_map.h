@@ -57,6 +57,11 @@ class SurfaceMap {
   /// unflip. `scale` gives, per base face, domain area per surface area, for the target areas.
   std::uint32_t undo_step(const EnergyWeights& weights, const std::vector<double>& scale);
 
+  /// How much domain area a vertex's neighbourhood deserves, relative to its surface area; 1 at first.
+  /// Vertices that appear get the mean of their neighbours.
+  double density(std::uint32_t v) const { return density_[v]; }
+  void set_density(std::vector<double> density) { density_ = std::move(density); }
+
   /// Makes every triangle's chart that of its first corner's face, so that coordinates stay small.
   void recenter_charts();
 
@@ -102,6 +107,7 @@ class SurfaceMap {
   BaseDomain domain_;
   std::vector<DomainPoint> points_;
   std::vector<TriangleChart> charts_;
+  std::vector<double> density_;
   std::vector<std::uint32_t> cone_index_;  // base vertex at which a surface vertex sits, or kNoVertex
   std::vector<std::uint32_t> base_vertices_;
   std::size_t steps_left_ = 0, live_vertex_count_ = 0, failed_insertions_ = 0;
