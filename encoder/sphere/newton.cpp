@@ -98,9 +98,9 @@ OptimizationResult minimize_newton(const SphereProblem& problem, std::vector<Vec
   // The matrix is exact + share * (projected - exact). With share 1 it is positive semi-definite and
   // converges linearly; the smallest share that still is positive definite converges at about that rate. The
   // share follows the outcome of the factorizations and ends at zero.
-  double share = 0;
-  constexpr double kSmallestShare = 1e-3;
-  const auto raised = [&](double s) { return s == 0 ? 16 * kSmallestShare : std::min(1.0, 4 * s); };
+  double share = 0.016;
+  constexpr double kSmallestShare = 1e-6;
+  const auto raised = [&](double s) { return s == 0 ? 4 * kSmallestShare : std::min(1.0, 8 * s); };
   constexpr double kSmallestShift = 1e-9;  // of the mean diagonal: lifts the three rotations off zero
   double shift = kSmallestShift;
   int small_steps = 0;
@@ -171,7 +171,7 @@ OptimizationResult minimize_newton(const SphereProblem& problem, std::vector<Vec
     if (!accepted) break;
     ++result.iterations;
     shift = std::max(shift / 10, kSmallestShift);
-    share = length >= 0.5 ? share / 4 : share;
+    share = length >= 0.5 ? share / 8 : share;
     if (share < kSmallestShare) share = 0;
     small_steps = decrease < options.relative_decrease ? small_steps + 1 : 0;
   }

@@ -48,7 +48,11 @@ OptimizationResult minimize(const SphereProblem& problem, std::vector<Vec3>& pos
 class CoarseToFine {
  public:
   CoarseToFine(const TriangleMesh& mesh, const SphereOptions& options, SphereStatistics& statistics)
-      : mesh_(mesh), options_(options), statistics_(statistics), hierarchy_(mesh.positions, mesh.triangles) {}
+      : mesh_(mesh), options_(options), statistics_(statistics), hierarchy_(mesh.positions, mesh.triangles) {
+    // The stretch energy has a pole at every degenerate triangle, and insertion can come near one: reach its
+    // basin by way of the combined energy.
+    path_weights_ = options.weights.stretch > 0 ? SphereEnergyWeights{} : options.weights;
+  }
 
   std::vector<Vec3> run() {
     const Clock::time_point start = Clock::now();
@@ -111,7 +115,7 @@ class CoarseToFine {
                                           area_scale_, minimum_area)});
     }
     constexpr int kIterations = 3;
-    sphere_[v] = relax_star(options_.weights, star_, sphere_[v], kIterations);
+    sphere_[v] = relax_star(path_weights_, star_, sphere_[v], kIterations);
   }
 
   void optimize_level(bool is_finest) {
@@ -122,30 +126,36 @@ class CoarseToFine {
       reference[i] = mesh_.positions[level.vertices[i]];
       positions[i] = sphere_[level.vertices[i]];
     }
-    const SphereProblem problem(reference, std::move(level.triangles), options_.weights);
+    const SphereProblem path(reference, level.triangles, path_weights_);
     constexpr int kSweeps = 2;
-    for (int sweep = 0; sweep < kSweeps; ++sweep) gauss_seidel_sweep(problem, positions);
+    for (int sweep = 0; sweep < kSweeps; ++sweep) gauss_seidel_sweep(path, positions);
 
-    OptimizationOptions optimization;
-    optimization.forbid_flips = true;
-    SphereSolver solver = SphereSolver::kNewton;
-    if (is_finest) {
-      optimization.maximum_iterations = options_.maximum_iterations;
-      optimization.gradient_tolerance = options_.gradient_tolerance;
-      optimization.relative_decrease = options_.relative_decrease;
-      solver = options_.solver;
-    } else {
-      // The next level starts from here: precision beyond its own insertion error is wasted.
-      optimization.maximum_iterations = 4;
-      optimization.relative_decrease = 1e-3;
+    // The next level starts from here: precision beyond its own insertion error is wasted.
+    OptimizationOptions rough;
+    rough.maximum_iterations = 4;
+    rough.relative_decrease = 1e-3;
+    rough.forbid_flips = path.flipped_count(positions) == 0;
+    OptimizationResult result;
+    const auto solver_of = [&](SphereSolver wanted) {
+      return wanted == SphereSolver::kNewton && path.vertex_count() > options_.direct_solver_limit
+                 ? SphereSolver::kLbfgs
+                 : wanted;
+    };
+    if (!is_finest || options_.weights.stretch > 0) {
+      result = minimize(path, positions, solver_of(SphereSolver::kNewton), rough);
+      count_work(result);
     }
-    if (problem.flipped_count(positions) > 0) optimization.forbid_flips = false;
-    if (solver == SphereSolver::kNewton && problem.vertex_count() > options_.direct_solver_limit)
-      solver = SphereSolver::kLbfgs;
-    const OptimizationResult result = minimize(problem, positions, solver, optimization);
+    if (is_finest) {
+      const SphereProblem problem(reference, std::move(level.triangles), options_.weights);
+      OptimizationOptions fine;
+      fine.maximum_iterations = options_.maximum_iterations;
+      fine.gradient_tolerance = options_.gradient_tolerance;
+      fine.relative_decrease = options_.relative_decrease;
+      fine.forbid_flips = problem.flipped_count(positions) == 0;
+      result = minimize(problem, positions, solver_of(options_.solver), fine);
+      count_work(result);
+    }
     for (std::size_t i = 0; i < level.vertices.size(); ++i) sphere_[level.vertices[i]] = positions[i];
-    statistics_.newton_iterations += result.iterations;
-    statistics_.factorizations += result.factorizations;
     statistics_.optimization_seconds += seconds_since(start);
     if (is_finest) {
       statistics_.finest = result;
@@ -153,8 +163,14 @@ class CoarseToFine {
     }
   }
 
+  void count_work(const OptimizationResult& result) {
+    statistics_.newton_iterations += result.iterations;
+    statistics_.factorizations += result.factorizations;
+  }
+
   const TriangleMesh& mesh_;
   const SphereOptions& options_;
+  SphereEnergyWeights path_weights_;
   SphereStatistics& statistics_;
   CollapseHierarchy hierarchy_;
   std::vector<Vec3> sphere_;
