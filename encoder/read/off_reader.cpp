@@ -171,7 +171,7 @@ class TextReader {
 
   /// Blanks and a comment up to the end of the line.
   bool at_line_end() {
-    while (at_ < end_ && (*at_ == ' ' || *at_ == '\t')) ++at_;
+    while (at_ < end_ && is_blank(*at_) && *at_ != '\r') ++at_;
     if (at_ < end_ && *at_ == '#') skip_comment();
     return at_ == end_ || *at_ == '\n' || *at_ == '\r';
   }

@@ -128,9 +128,9 @@ class PlyBody {
     if (minimum_size > 0 && element.count > values_.bytes_left() / minimum_size)
       source_.fail_at_line(
           element.declared_at,
-          fmt::format("{} elements '{}' are announced, but the file ends {} bytes after the header's"
-                      " earlier elements, which is too short for them",
-                      element.count, element.name, values_.bytes_left()));
+          fmt::format(
+              "{} elements '{}' are announced, but the file ends {} bytes after the elements before them",
+              element.count, element.name, values_.bytes_left()));
     if (element.name == "vertex") {
       read_vertices(element);
     } else if (element.name == "face") {
