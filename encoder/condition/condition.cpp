@@ -62,7 +62,7 @@ class Conditioner {
     step("reading triangles", 0);
     take_usable_triangles();
     center();
-    if (options_.repair == Repair::kNone)
+    if (options_.repair == Repair::kNothing)
       accept_manifold_only();
     else
       repair();

@@ -23,7 +23,7 @@ namespace nmc {
 
 enum class Repair {
   kAuto,  // repair what needs it and report it
-  kNone,  // leave out only what cannot be stored (non-finite and out-of-range triangles, triangles that
+  kNothing,  // leave out only what cannot be stored (non-finite and out-of-range triangles, triangles that
           // repeat a vertex, unused vertices); a mesh that is not an oriented manifold after that is refused
   kStrict,  // as kAuto, but a mesh for which ConditionReport::needed_repair() holds is refused
 };
@@ -44,7 +44,7 @@ struct ConditionOptions {
   bool turn_outward = true;
 
   /// A boundary loop is filled when it is small in all three senses; 0 edges turns filling off. Never filled
-  /// under Repair::kStrict and kNone: a hole is not a defect.
+  /// under Repair::kStrict and kNothing: a hole is not a defect.
   std::size_t small_hole_edges = 30;
   double small_hole_length_fraction = 0.01;  // loop length relative to the diagonal
   double small_hole_area_fraction = 0.005;   // area of the fill relative to its component

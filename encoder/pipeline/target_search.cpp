@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "encoder/pipeline/target_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace nmc {
+
+double target_ratio(const Target& target, const Trial& trial) {
+  switch (target.kind) {
+    case TargetKind::kMaximumError:
+      return trial.error.maximum / target.value;
+    case TargetKind::kRmsError:
+      return trial.error.rms / target.value;
+    case TargetKind::kSize:
+      return static_cast<double>(trial.byte_count) / target.value;
+  }
+  return 0;
+}
+
+TargetSearchResult search_target(Candidate& candidate, const Target& target, const StreamDescription& description,
+                                 double first_step, const TargetSearchOptions& options) {
+  TargetSearchResult result;
+  const bool is_size = target.kind == TargetKind::kSize;
+  // Error grows with the step, size falls with it; `exponent` is the usual power.
+  const double exponent = is_size ? -0.65 : target.kind == TargetKind::kRmsError ? 0.62 : 0.5;
+  struct Point {
+    double log_step, log_ratio;
+  };
+  std::optional<Point> meets, fails;
+  double log_step = std::log(first_step);
+  for (int i = 0; i < options.maximum_trials; ++i) {
+    Trial trial = candidate.quantize(std::exp(log_step), description, options.trial);
+    const double ratio = std::max(target_ratio(target, trial), 1e-12);
+    const Point point{std::log(trial.normal_step), std::log(ratio)};
+    Trial record = trial;
+    record.mesh = {};
+    result.trials.push_back(std::move(record));
+    const bool met = ratio <= 1;
+    const auto better = [&](const std::optional<Trial>& old) {
+      if (!old) return true;
+      if (!met) return ratio < target_ratio(target, *old);
+      return is_size ? trial.error.rms < old->error.rms : trial.byte_count < old->byte_count;
+    };
+    std::optional<Trial>& slot = met ? result.best : result.nearest;
+    if (better(slot)) slot = std::move(trial);
+    const std::optional<Point> last = met ? meets : fails;
+    (met ? meets : fails) = point;
+    if (met && ratio >= options.good_enough) break;
+
+    if (meets && fails) {
+      // Secant inside the bracket, aimed a little below the target; kept away from the ends of the bracket.
+      const double aim = std::log(0.5 * (1 + options.good_enough));
+      double share = (aim - meets->log_ratio) / (fails->log_ratio - meets->log_ratio);
+      share = std::clamp(std::isfinite(share) ? share : 0.5, 0.12, 0.88);
+      log_step = meets->log_step + share * (fails->log_step - meets->log_step);
+    } else {
+      double slope = exponent;
+      if (last && std::abs(point.log_step - last->log_step) > 1e-6) {
+        slope = (point.log_ratio - last->log_ratio) / (point.log_step - last->log_step);
+        // A finer step that no longer helps: the candidate's own floor is above the target.
+        if (!met && !is_size && slope < 0.08) break;
+        const double sign = is_size ? -1 : 1;
+        slope = sign * std::clamp(sign * slope, 0.3, 1.2);
+      }
+      const double move = (std::log(0.5 * (1 + options.good_enough)) - point.log_ratio) / slope;
+      log_step = point.log_step + std::clamp(move, -2.0, 2.0);
+    }
+  }
+  return result;
+}
+
+}  // namespace nmc
