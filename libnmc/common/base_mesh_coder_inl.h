@@ -82,7 +82,7 @@ Status BaseMeshModel::code_connectivity(Coder& coder, Memory* memory, const Face
   using namespace base_mesh_internal;
   using coefficient_internal::code_adaptive;
   if (!ready_) {
-    MixedBit::reset(is_new_mixer_, 3);
+    is_new_mixer_.reset(3);
     ready_ = true;
   }
   const bool encoding = lookup != nullptr;
@@ -163,10 +163,7 @@ Status BaseMeshModel::code_connectivity(Coder& coder, Memory* memory, const Face
         }
         const std::uint32_t du = degree_class(u), dv = degree_class(v);
         {
-          MixedBit bit;
-          bit.add(is_new_[du][dv]);
-          bit.add(is_new_by_u_[du]);
-          bit.add(is_new_by_v_[dv]);
+          MixedBit<3> bit(is_new_[du][dv], is_new_by_u_[du], is_new_by_v_[dv]);
           is_new = coder.code(is_new, bit.probability(is_new_mixer_)) != 0;
           bit.update(is_new, is_new_mixer_, kMagnitudeCountLimit);
         }

@@ -9,10 +9,10 @@ void CoefficientModel::reset() {
     sign_[layer] = {};
     magnitude_[layer] = {};
     for (auto& kinds : significance_[layer].mixer)
-      for (MixerWeights& weights : kinds) MixedBit::reset(weights, 7);
-    for (MixerWeights& weights : significance_[layer].energy_mixer) MixedBit::reset(weights, 7);
-    for (MixerWeights& weights : sign_[layer].mixer) MixedBit::reset(weights, 6);
-    for (MixerWeights& weights : magnitude_[layer].mixer) MixedBit::reset(weights, 6);
+      for (MixerWeights& weights : kinds) weights.reset(7);
+    for (MixerWeights& weights : significance_[layer].energy_mixer) weights.reset(7);
+    for (MixerWeights& weights : sign_[layer].mixer) weights.reset(6);
+    for (MixerWeights& weights : magnitude_[layer].mixer) weights.reset(6);
   }
   run_ = 16;
 }

@@ -153,14 +153,7 @@ std::int32_t CoefficientModel::code_normal(Coder& coder, int level_class, const 
   const std::int32_t target = (values[edge] - before) * orientation;
 
   SignificanceStates& significance = significance_[layer];
-  MixedBit zero;
-  zero.add(significance.by_energy[level_class][kind][energy_index]);
-  zero.add(significance.by_neighbours[level_class][neighbour_index]);
-  zero.add(significance.by_parents[level_class][parent_class][opposite_class]);
-  zero.add(significance.by_far_ring[far_class][energy_index]);
-  zero.add(significance.by_run[level_class][run_class]);
-  zero.add(significance.by_all[energy_index][parent_class][far_class]);
-  zero.add(significance.by_sibling[level_class][kind][sibling_class][parent_class]);
+  MixedBit<7> zero(significance.by_energy[level_class][kind][energy_index], significance.by_neighbours[level_class][neighbour_index], significance.by_parents[level_class][parent_class][opposite_class], significance.by_far_ring[far_class][energy_index], significance.by_run[level_class][run_class], significance.by_all[energy_index][parent_class][far_class], significance.by_sibling[level_class][kind][sibling_class][parent_class]);
   MixerWeights& zero_mixer = significance.mixer[level_class][kind];
   const int significant = coder.code(target != 0, zero.probability(zero_mixer));
   zero.update(significant, zero_mixer, kSignificanceCountLimit);
@@ -171,13 +164,7 @@ std::int32_t CoefficientModel::code_normal(Coder& coder, int level_class, const 
 
   const int parent_signs = sign_of(vertex_values[a]) + sign_of(vertex_values[b]);
   SignStates& sign = sign_[layer];
-  MixedBit negative;
-  negative.add(sign.by_neighbours[near_signs + 4]);
-  negative.add(sign.by_parents[level_class][parent_signs + 2]);
-  negative.add(sign.by_opposite[opposite_signs + 2][parent_signs + 2]);
-  negative.add(sign.by_signed[near_signed + 12][sign_of(sibling) + 1][kind]);
-  negative.add(sign.by_all[near_signs + 4][parent_signs + 2][opposite_signs + 2]);
-  negative.add(sign.by_sibling[sign_of(sibling) + 1][opposite_signs + 2]);
+  MixedBit<6> negative(sign.by_neighbours[near_signs + 4], sign.by_parents[level_class][parent_signs + 2], sign.by_opposite[opposite_signs + 2][parent_signs + 2], sign.by_signed[near_signed + 12][sign_of(sibling) + 1][kind], sign.by_all[near_signs + 4][parent_signs + 2][opposite_signs + 2], sign.by_sibling[sign_of(sibling) + 1][opposite_signs + 2]);
   const int is_negative = coder.code(target < 0, negative.probability(sign.mixer[kind]));
   negative.update(is_negative, sign.mixer[kind], kSignificanceCountLimit);
 
@@ -186,13 +173,7 @@ std::int32_t CoefficientModel::code_normal(Coder& coder, int level_class, const 
   const int largest_class = near_count == 0 ? 6 : largest > 5 ? 5 : largest;
   std::uint32_t m = 0;
   while (m < kUnary) {
-    MixedBit more;
-    more.add(magnitude.by_energy[energy_index][m]);
-    more.add(magnitude.by_far_ring[far_class][m]);
-    more.add(magnitude.by_parents[level_class][parent_class][m]);
-    more.add(magnitude.by_largest[largest_class][m]);
-    more.add(magnitude.by_level_energy[level_class][energy_index][m]);
-    more.add(magnitude.by_sib[sibling_class][kind][m]);
+    MixedBit<6> more(magnitude.by_energy[energy_index][m], magnitude.by_far_ring[far_class][m], magnitude.by_parents[level_class][parent_class][m], magnitude.by_largest[largest_class][m], magnitude.by_level_energy[level_class][energy_index][m], magnitude.by_sib[sibling_class][kind][m]);
     const int bit = coder.code(excess > m, more.probability(magnitude.mixer[m]));
     more.update(bit, magnitude.mixer[m], kMagnitudeCountLimit);
     if (!bit) break;

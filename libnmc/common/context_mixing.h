@@ -3,12 +3,64 @@
 //
 // Based on: M. Mahoney. Adaptive weighing of context models for lossless data compression. TR CS-2005-16, Florida
 // Tech, 2005 (logistic mixing, here in integers throughout: encoder and decoder agree on every machine).
+//
+// Everything is inline: these few lines are most of the time that decoding takes.
 #ifndef NMC_COMMON_CONTEXT_MIXING_H_
 #define NMC_COMMON_CONTEXT_MIXING_H_
 
 #include <cstdint>
 
 namespace nmc {
+
+/// No adaptive bit counts further than this (spec 5.2).
+inline constexpr std::uint32_t kLargestCountLimit = 255;
+
+namespace mixing_internal {
+
+struct CountTables {
+  std::uint32_t reciprocal[kLargestCountLimit + 1];  // 65536 / (count + 1.5), rounded down
+  std::int32_t confidence[kLargestCountLimit + 1];   // 65536 count / (count + 2), rounded down
+};
+
+inline constexpr CountTables kCountTables = [] {
+  CountTables tables{};
+  for (std::uint32_t n = 0; n <= kLargestCountLimit; ++n) {
+    tables.reciprocal[n] = 131072u / (2 * n + 3);
+    tables.confidence[n] = static_cast<std::int32_t>(65536u * n / (n + 2));
+  }
+  return tables;
+}();
+
+// 65536 / (1 + exp(-x)) at x = -8, -7.75, ..., 8, rounded (spec table B.1).
+inline constexpr std::uint16_t kSquash[65] = {
+    22,    28,    36,    47,    60,    77,    98,    126,   162,   208,   267,   342,   439,
+    562,   720,   922,   1179,  1506,  1921,  2446,  3108,  3938,  4971,  6249,  7812,  9702,
+    11955, 14595, 17625, 21025, 24743, 28693, 32768, 36843, 40793, 44511, 47911, 50941, 53581,
+    55834, 57724, 59287, 60565, 61598, 62428, 63090, 63615, 64030, 64357, 64614, 64816, 64974,
+    65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489, 65500, 65508, 65514};
+
+struct StretchTable {
+  std::int16_t value[4096];
+};
+
+/// Inverts squash: value[p >> 4] is the smallest x with squash(x) >= p.
+inline constexpr StretchTable kStretch = [] {
+  StretchTable table{};
+  int filled = 0;
+  for (int x = -2047; x <= 2047; ++x) {
+    const int position = x + 2048, cell = position >> 6, within = position & 63;
+    const int low = kSquash[cell], high = kSquash[cell + 1];
+    const int p = (low * (64 - within) + high * within) >> 10;  // / 64 / 16
+    while (filled <= p && filled < 4096) table.value[filled++] = static_cast<std::int16_t>(x);
+  }
+  while (filled < 4096) table.value[filled++] = 2047;
+  return table;
+}();
+
+// Keeps the weighted sum far from overflow whatever bits come.
+inline constexpr std::int32_t kLargestWeight = 1 << 22;
+
+}  // namespace mixing_internal
 
 /// Probability of a one, learned from the bits seen: 22 bits of probability, 10 bits of count.
 /// The step is 1 / (count + 1.5) until the count reaches its limit.
@@ -17,14 +69,28 @@ struct AdaptiveBit {
 
   std::uint32_t probability_16() const { return state >> 16; }
   std::uint32_t count() const { return state & 1023u; }
-  void update(int bit, std::uint32_t count_limit);
+  /// `count_limit` is at most kLargestCountLimit.
+  void update(int bit, std::uint32_t count_limit) {
+    const std::uint32_t n = count();
+    const std::int64_t probability = state >> 10;  // 22 bits
+    const std::int64_t target = bit ? (1 << 22) - 1 : 0;
+    const std::int64_t moved =
+        probability + (((target - probability) * mixing_internal::kCountTables.reciprocal[n]) >> 16);
+    state = (static_cast<std::uint32_t>(moved) << 10) | (n + (n < count_limit ? 1u : 0u));
+  }
 };
 
 /// ln(p / (1 - p)) in 1/256, for a 16-bit probability; within [-2047, 2047].
-int stretch(std::uint32_t probability_16);
+inline int stretch(std::uint32_t probability_16) { return mixing_internal::kStretch.value[probability_16 >> 4]; }
 
 /// The inverse: a 16-bit probability in [22, 65514] for x in 1/256, clamped to [-2047, 2047].
-std::uint32_t squash(int x);
+inline std::uint32_t squash(int x) {
+  using mixing_internal::kSquash;
+  if (x > 2047) x = 2047;
+  if (x < -2047) x = -2047;
+  const int position = x + 2048, cell = position >> 6, within = position & 63;
+  return static_cast<std::uint32_t>((kSquash[cell] * (64 - within) + kSquash[cell + 1] * within) >> 6);
+}
 
 /// Number of adaptive bits that one mixer joins at most; one more input is a constant.
 inline constexpr int kMaximumMixerInputs = 8;
@@ -33,28 +99,64 @@ inline constexpr int kMaximumMixerInputs = 8;
 struct MixerWeights {
   std::int32_t weight[kMaximumMixerInputs + 1];
   std::int32_t rate;  // learning rate, in 1/16384; falls as the mixer learns
+
+  /// Equal weights for `input_count` adaptive bits, 1.4 in total.
+  void reset(int input_count) {
+    for (std::int32_t& w : weight) w = 0;
+    for (int i = 0; i < input_count; ++i) weight[i] = 90000 / input_count;
+    rate = 800;
+  }
 };
 
-/// One mixed decision: remembers its inputs between probability and update.
+/// One mixed decision over kInputs adaptive bits: remembers its inputs between probability and update.
+template <int kInputs>
 class MixedBit {
- public:
-  /// A mixer of `input_count` adaptive bits starts with equal weights.
-  static void reset(MixerWeights& weights, int input_count);
+  static_assert(kInputs <= kMaximumMixerInputs);
 
-  /// Adds one adaptive bit to the mix.
-  void add(AdaptiveBit& bit) {
-    inputs_[count_] = &bit;
-    ++count_;
+ public:
+  template <class... Bits>
+  explicit MixedBit(Bits&... bits) : inputs_{&bits...} {
+    static_assert(sizeof...(Bits) == kInputs);
   }
+
   /// Sixteen-bit probability of a one.
-  std::uint32_t probability(const MixerWeights& weights);
+  std::uint32_t probability(const MixerWeights& weights) {
+    // |weight| <= 2^22 and |stretched| < 2^11: nine products stay below 2^37.
+    std::int64_t sum = static_cast<std::int64_t>(weights.weight[kInputs]) * kConstantInput;
+    for (int i = 0; i < kInputs; ++i) {
+      // An input that has seen nothing says nothing.
+      const AdaptiveBit bit = *inputs_[i];
+      stretched_[i] =
+          (stretch(bit.probability_16()) * mixing_internal::kCountTables.confidence[bit.count()]) >> 16;
+      sum += static_cast<std::int64_t>(weights.weight[i]) * stretched_[i];
+    }
+    sum >>= 16;
+    probability_ = squash(static_cast<int>(sum > 2047 ? 2047 : sum < -2047 ? -2047 : sum));
+    return probability_;
+  }
   /// Teaches the weights and all inputs.
-  void update(int bit, MixerWeights& weights, std::uint32_t count_limit);
+  void update(int bit, MixerWeights& weights, std::uint32_t count_limit) {
+    // |error| <= 2^16 and rate <= 800, so `step` has 16 bits and its product with an input 27.
+    const std::int32_t error = (bit ? 65536 : 0) - static_cast<std::int32_t>(probability_);
+    const std::int32_t step = (error * weights.rate) >> 10;
+    const auto teach = [&](std::int32_t& weight, std::int32_t input) {
+      const std::int32_t w = weight + ((step * input) >> 12);
+      constexpr std::int32_t kLargest = mixing_internal::kLargestWeight;
+      weight = w > kLargest ? kLargest : w < -kLargest ? -kLargest : w;
+    };
+    for (int i = 0; i < kInputs; ++i) {
+      teach(weights.weight[i], stretched_[i]);
+      inputs_[i]->update(bit, count_limit);
+    }
+    teach(weights.weight[kInputs], kConstantInput);
+    if (weights.rate > 120) weights.rate -= (weights.rate - 100) >> 5;
+  }
 
  private:
-  AdaptiveBit* inputs_[kMaximumMixerInputs];
-  int stretched_[kMaximumMixerInputs + 1];
-  int count_ = 0;
+  static constexpr std::int32_t kConstantInput = 77;
+
+  AdaptiveBit* inputs_[kInputs];
+  std::int32_t stretched_[kInputs];
   std::uint32_t probability_ = 0;
 };
 
