@@ -189,16 +189,25 @@ bool CollapseHierarchy::is_allowed(std::uint32_t half_edge, bool check_normals) 
     h = rotate(h);
   } while (h != half_edge_[to]);
   if (common != 2) return false;
-  if (!check_normals) return true;
+  if (!check_normals && !options_.sphere_positions) return true;
 
   constexpr double kMinimumCosine = 0.2;
   const std::uint32_t in_dying_face = next(opposite_[half_edge]);
   for (h = rotate(half_edge); h != half_edge; h = rotate(h)) {
     if (h == in_dying_face) continue;
     const Vec3 &p = positions_[target(h)], &q = positions_[origin_[previous(h)]];
-    const Vec3 before = cross(p - positions_[from], q - positions_[from]);
-    const Vec3 after = cross(p - positions_[to], q - positions_[to]);
-    if (dot(before, after) < kMinimumCosine * norm(before) * norm(after)) return false;
+    if (check_normals) {
+      const Vec3 before = cross(p - positions_[from], q - positions_[from]);
+      const Vec3 after = cross(p - positions_[to], q - positions_[to]);
+      if (dot(before, after) < kMinimumCosine * norm(before) * norm(after)) return false;
+    }
+    if (!options_.sphere_positions) continue;
+    const std::vector<Vec3>& x = *options_.sphere_positions;
+    const Vec3 &a = x[to], &b = x[target(h)], &c = x[origin_[previous(h)]];
+    const double longest = std::max({squared_norm(a - b), squared_norm(b - c), squared_norm(c - a)});
+    // Twice the area over the square of the longest edge: 0.87 for an equilateral triangle.
+    constexpr double kMinimumShape = 0.05;
+    if (dot(a, cross(b - a, c - a)) < kMinimumShape * longest) return false;
   }
   return true;
 }

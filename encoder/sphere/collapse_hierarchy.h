@@ -21,6 +21,9 @@ struct CollapseHierarchyOptions {
   double edge_length_weight = 1e-2;
   /// Collapses to a vertex of more neighbors are put off as long as others exist.
   int preferred_maximum_valence = 12;
+  /// Unit vectors of the vertices, or null. With them every triangle stays counter-clockwise on the sphere,
+  /// and no sliver there, as long as that is possible. Must outlive the hierarchy.
+  const std::vector<Vec3>* sphere_positions = nullptr;
 };
 
 /// A compact copy of the current mesh.
