@@ -73,7 +73,7 @@ class Programs:
         self.build = build
 
     def path(self, name):
-        for folder in ("encoder", "decoder", "bench/peers", ""):
+        for folder in ("encoder", "decoder", "bench/peers", "bench/grow", ""):
             candidate = os.path.join(self.build, folder, name)
             if os.access(candidate, os.X_OK) and not os.path.isdir(candidate):
                 return candidate
