@@ -9,7 +9,7 @@ namespace base_mesh_internal {
 
 /// One edge of the border, directed as in the face still to come. Borders are closed lists.
 struct BorderEdge {
-  std::uint32_t start;             // its first vertex; the second is the start of `next`
+  std::uint32_t start;  // its first vertex; the second is the start of `next`
   std::uint32_t previous, next;
   std::uint8_t state;
 };
@@ -36,7 +36,8 @@ inline std::int64_t rounded_quotient(std::int64_t sum, std::int64_t count) {
   return q;
 }
 
-/// The border edge from `start` to `end` that still waits for its face. Encoders only; linear, and rarely called.
+/// The border edge from `start` to `end` that still waits for its face. Encoders only; linear, and rarely
+/// called.
 inline std::uint32_t open_edge(const Array<BorderEdge>& border, std::uint32_t start, std::uint32_t end) {
   for (std::uint32_t i = 0; i < border.size(); ++i) {
     if (border[i].state == kOpen && border[i].start == start && border[border[i].next].start == end) return i;
@@ -44,12 +45,13 @@ inline std::uint32_t open_edge(const Array<BorderEdge>& border, std::uint32_t st
   return kNone;
 }
 
-/// The border may pass several times through the third corner w of the face (u, v, w). The right place is the gap
-/// that this face lies in: turn around w over faces still to come until the border is met, to one side or, where
-/// the surface ends there, to the other. Encoders only.
+/// The border may pass several times through the third corner w of the face (u, v, w). The right place is the
+/// gap that this face lies in: turn around w over faces still to come until the border is met, to one side
+/// or, where the surface ends there, to the other. Encoders only.
 inline std::uint32_t place_of_corner(const FaceLookup& lookup, const Array<BorderEdge>& border,
-                                     const Array<std::uint32_t>& old_index, const Array<std::uint32_t>& new_index,
-                                     std::uint32_t u, std::uint32_t v, std::uint32_t w) {
+                                     const Array<std::uint32_t>& old_index,
+                                     const Array<std::uint32_t>& new_index, std::uint32_t u, std::uint32_t v,
+                                     std::uint32_t w) {
   const std::uint32_t w_old = old_index[w];
   for (std::uint32_t y = old_index[u]; y != kNone && y != old_index[v]; y = lookup.third_corner(y, w_old)) {
     if (new_index[y] == kNone) continue;
@@ -115,11 +117,13 @@ Status BaseMeshModel::code_connectivity(Coder& coder, Memory* memory, const Face
   const auto degree_class = [&](std::uint32_t v) {
     return degree[v] < kDegreeClasses ? degree[v] : std::uint32_t{kDegreeClasses - 1};
   };
-  // A border of two edges is two sides of one edge: it closes. With a marked boundary in it the mesh is broken.
+  // A border of two edges is two sides of one edge: it closes. With a marked boundary in it the mesh is
+  // broken.
   const auto close_if_two = [&](std::uint32_t i) -> Status {
     const std::uint32_t j = border[i].next;
     if (border[j].next != i) return ok_status();
-    NMC_CHECK_STREAM(border[i].state == kOpen && border[j].state == kOpen, "4.4", "a border closes on a boundary");
+    NMC_CHECK_STREAM(border[i].state == kOpen && border[j].state == kOpen, "4.4",
+                     "a border closes on a boundary");
     border[i].state = border[j].state = kGone;
     return ok_status();
   };
@@ -145,7 +149,8 @@ Status BaseMeshModel::code_connectivity(Coder& coder, Memory* memory, const Face
 
     for (; gate < border.size(); ++gate) {
       while (border[gate].state == kOpen) {
-        const std::uint32_t i = gate, u = border[i].start, next = border[i].next, previous = border[i].previous;
+        const std::uint32_t i = gate, u = border[i].start, next = border[i].next,
+                            previous = border[i].previous;
         const std::uint32_t v = border[next].start;
         const std::uint32_t left = border[previous].start, right = border[border[next].next].start;
         const bool can_left = border[previous].state == kOpen, can_right = border[next].state == kOpen;
@@ -181,8 +186,8 @@ Status BaseMeshModel::code_connectivity(Coder& coder, Memory* memory, const Face
         }
         if (can_left) {
           // Only the border edge itself can be meant: its start may appear elsewhere on the border too.
-          const bool is_left = code_adaptive(coder, is_left_[du], third == left && !is_boundary,
-                                             kMagnitudeCountLimit) != 0;
+          const bool is_left =
+              code_adaptive(coder, is_left_[du], third == left && !is_boundary, kMagnitudeCountLimit) != 0;
           if (is_left) {
             NMC_CHECK_STREAM(face_count < mesh.face_count, "4.4", "more faces than announced");
             add_face(u, v, left);
@@ -194,8 +199,8 @@ Status BaseMeshModel::code_connectivity(Coder& coder, Memory* memory, const Face
           }
         }
         if (can_right) {
-          const bool is_right = code_adaptive(coder, is_right_[dv], third == right && !is_boundary,
-                                              kMagnitudeCountLimit) != 0;
+          const bool is_right =
+              code_adaptive(coder, is_right_[dv], third == right && !is_boundary, kMagnitudeCountLimit) != 0;
           if (is_right) {
             NMC_CHECK_STREAM(face_count < mesh.face_count, "4.4", "more faces than announced");
             add_face(u, v, right);
@@ -207,14 +212,15 @@ Status BaseMeshModel::code_connectivity(Coder& coder, Memory* memory, const Face
           }
         }
         const int boundary_context = (can_left ? 0 : 1) + (can_right ? 0 : 1);
-        is_boundary = code_adaptive(coder, is_boundary_[boundary_context], is_boundary, kMagnitudeCountLimit) != 0;
+        is_boundary =
+            code_adaptive(coder, is_boundary_[boundary_context], is_boundary, kMagnitudeCountLimit) != 0;
         if (is_boundary) {
           border[i].state = kBoundary;
           continue;
         }
 
-        // Some other place of the border, which splits it or joins two of them. The place is a border edge that
-        // starts at the third corner: near this one along the border, or named by its number.
+        // Some other place of the border, which splits it or joins two of them. The place is a border edge
+        // that starts at the third corner: near this one along the border, or named by its number.
         constexpr std::uint32_t kNearest = 32;
         std::uint32_t place = kNone, distance = 0;
         int side = 0, is_near = 0;
@@ -246,8 +252,8 @@ Status BaseMeshModel::code_connectivity(Coder& coder, Memory* memory, const Face
           NMC_CHECK_STREAM(place < border.size(), "4.4", "a border edge that does not exist is named");
         }
         const std::uint32_t w = border[place].start;
-        NMC_CHECK_STREAM(border[place].state != kGone && place != i && place != next && w != u && w != v, "4.4",
-                         "an impossible place on the border is named");
+        NMC_CHECK_STREAM(border[place].state != kGone && place != i && place != next && w != u && w != v,
+                         "4.4", "an impossible place on the border is named");
         NMC_CHECK_STREAM(face_count < mesh.face_count, "4.4", "more faces than announced");
         add_face(u, v, w);
         const auto k = static_cast<std::uint32_t>(border.size());
@@ -309,7 +315,8 @@ Status BaseMeshModel::code_coordinates(Coder& coder, Memory* memory, const Level
       }
       if (a >= v || b >= v) continue;
       const std::uint32_t across = topology.face_edges[3 * face + k];
-      for (std::uint32_t i = 0; i < 3; ++i) spread += magnitude_u32(std::int64_t{x[3 * a + i]} - x[3 * b + i]);
+      for (std::uint32_t i = 0; i < 3; ++i)
+        spread += magnitude_u32(std::int64_t{x[3 * a + i]} - x[3 * b + i]);
       ++spread_count;
       const std::uint32_t left = topology.edge_faces[2 * across], right = topology.edge_faces[2 * across + 1];
       const std::uint32_t beyond = left == face ? right : left;
@@ -321,7 +328,8 @@ Status BaseMeshModel::code_coordinates(Coder& coder, Memory* memory, const Level
         parallelogram_sum[i] += std::int64_t{x[3 * a + i]} + x[3 * b + i] - x[3 * c + i];
     }
     if (spread_count) last_spread_ = (spread + spread_count / 2) / spread_count;
-    const int scale = bit_length(static_cast<std::uint32_t>(last_spread_ > 0xffffffffu ? 0xffffffffu : last_spread_));
+    const int scale =
+        bit_length(static_cast<std::uint32_t>(last_spread_ > 0xffffffffu ? 0xffffffffu : last_spread_));
     const int kind = parallelogram_count ? 0 : neighbour_count ? 1 : 2;
     for (std::uint32_t i = 0; i < 3; ++i) {
       std::int64_t prediction = 0, lean = 0;
@@ -346,14 +354,18 @@ Status BaseMeshModel::code_coordinates(Coder& coder, Memory* memory, const Level
         while (length < 31) {
           ++length;
           const int index = 33 + (length - top < 6 ? length - top : 6);
-          if (!code_adaptive(coder, length_[kind][index], bit_length(magnitude) > length, kMagnitudeCountLimit)) break;
+          if (!code_adaptive(coder, length_[kind][index], bit_length(magnitude) > length,
+                             kMagnitudeCountLimit))
+            break;
         }
         step = 33;
       } else {
         while (length > 0) {
           ++step;
           const int index = step < 32 ? step : 32;
-          if (code_adaptive(coder, length_[kind][index], bit_length(magnitude) == length, kMagnitudeCountLimit)) break;
+          if (code_adaptive(coder, length_[kind][index], bit_length(magnitude) == length,
+                            kMagnitudeCountLimit))
+            break;
           --length;
         }
       }
@@ -362,9 +374,9 @@ Status BaseMeshModel::code_coordinates(Coder& coder, Memory* memory, const Level
         decoded = 1;
         for (int bit = length - 2; bit >= 0; --bit) {
           const int value = static_cast<int>((magnitude >> bit) & 1);
-          const int coded = bit == length - 2
-                                ? code_adaptive(coder, top_bit_[step < 39 ? step : 39], value, kMagnitudeCountLimit)
-                                : coder.code(value, 32768);
+          const int coded = bit == length - 2 ? code_adaptive(coder, top_bit_[step < 39 ? step : 39], value,
+                                                              kMagnitudeCountLimit)
+                                              : coder.code(value, 32768);
           decoded = 2 * decoded + static_cast<std::uint64_t>(coded);
         }
       }
@@ -403,7 +415,8 @@ Status BaseMeshModel::code_corrections(Coder& coder, const std::int32_t* previou
 }
 
 template <class Coder>
-Status BaseMeshModel::code_creases(Coder& coder, Memory* memory, const LevelTopology& topology, BaseMesh& mesh) {
+Status BaseMeshModel::code_creases(Coder& coder, Memory* memory, const LevelTopology& topology,
+                                   BaseMesh& mesh) {
   using namespace coefficient_internal;
   if (!mesh.is_crease.resize(topology.edge_count)) return no_memory();
   // Creases run through vertices: the context is how many crease edges are already known at the two ends.
@@ -417,8 +430,8 @@ Status BaseMeshModel::code_creases(Coder& coder, Memory* memory, const LevelTopo
     std::uint8_t& a = at_vertex[topology.edge_vertices[2 * e]];
     std::uint8_t& b = at_vertex[topology.edge_vertices[2 * e + 1]];
     const int context = (a == 1 ? 1 : 0) + (b == 1 ? 1 : 0) + (a > 1 && b > 1 ? 3 : 0);
-    mesh.is_crease[e] = static_cast<std::uint8_t>(
-        code_adaptive(coder, crease_[context > 3 ? 3 : context], mesh.is_crease[e] != 0, kMagnitudeCountLimit));
+    mesh.is_crease[e] = static_cast<std::uint8_t>(code_adaptive(
+        coder, crease_[context > 3 ? 3 : context], mesh.is_crease[e] != 0, kMagnitudeCountLimit));
     if (mesh.is_crease[e]) {
       if (a < 3) ++a;
       if (b < 3) ++b;

@@ -171,7 +171,8 @@ Status CodedMesh::code_level(Coder& coder, int layer, int level, const LevelCoef
     for (std::size_t i = 0; i < target->normal.size(); ++i) current.normal[i] = target->normal[i];
     for (std::size_t i = 0; i < target->tangential.size(); ++i) current.tangential[i] = target->tangential[i];
   }
-  NMC_TRY(coefficient_model_.code_level(coder, memory_, level, topology_[level], vertex_values_.data(),
+  NMC_TRY(coefficient_model_.code_level(coder, memory_, level, level > 0 ? &topology_[level - 1] : nullptr,
+                                        topology_[level], vertex_values_.data(),
                                         has_previous ? &previous : nullptr, current));
   return end_level(layer, level);
 }

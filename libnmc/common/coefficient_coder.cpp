@@ -10,10 +10,13 @@ void CoefficientModel::reset() {
     magnitude_[layer] = {};
     for (auto& kinds : significance_[layer].mixer)
       for (MixerWeights& weights : kinds) weights.reset(7);
-    for (MixerWeights& weights : significance_[layer].energy_mixer) weights.reset(7);
+    half_blocks_[layer] = inner_blocks_[layer] = {};
+    for (MixerWeights& weights : half_blocks_[layer].mixer) weights.reset(4);
+    for (MixerWeights& weights : inner_blocks_[layer].mixer) weights.reset(4);
     for (MixerWeights& weights : sign_[layer].mixer) weights.reset(6);
     for (MixerWeights& weights : magnitude_[layer].mixer) weights.reset(6);
   }
+  last_half_blocks_ = last_inner_blocks_ = 0;
   run_ = 16;
 }
 
@@ -25,7 +28,8 @@ bool merge(const Array<TangentialCoefficient>* a, const Array<TangentialCoeffici
   std::size_t i = 0, j = 0;
   const std::size_t a_count = a ? a->size() : 0, b_count = b ? b->size() : 0;
   while (i < a_count || j < b_count) {
-    const std::uint32_t edge_a = i < a_count ? (*a)[i].edge : kNone, edge_b = j < b_count ? (*b)[j].edge : kNone;
+    const std::uint32_t edge_a = i < a_count ? (*a)[i].edge : kNone,
+                        edge_b = j < b_count ? (*b)[j].edge : kNone;
     const std::uint32_t edge = edge_a < edge_b ? edge_a : edge_b;
     TangentialCoefficient from_a{edge, 0, 0}, from_b{edge, 0, 0};
     if (edge_a == edge) from_a = (*a)[i++];
@@ -36,8 +40,9 @@ bool merge(const Array<TangentialCoefficient>* a, const Array<TangentialCoeffici
 }
 
 std::int32_t clamped(std::int64_t value) {
-  return static_cast<std::int32_t>(value > kMaximumMagnitude ? kMaximumMagnitude
-                                                             : value < -kMaximumMagnitude ? -kMaximumMagnitude : value);
+  return static_cast<std::int32_t>(value > kMaximumMagnitude    ? kMaximumMagnitude
+                                   : value < -kMaximumMagnitude ? -kMaximumMagnitude
+                                                                : value);
 }
 
 }  // namespace
@@ -52,14 +57,15 @@ Status subtract_tangential(const Array<TangentialCoefficient>& a, const Array<Ta
   return done ? ok_status() : no_memory();
 }
 
-Status add_tangential(const Array<TangentialCoefficient>* previous, const Array<TangentialCoefficient>& difference,
-                      Array<TangentialCoefficient>& sum) {
+Status add_tangential(const Array<TangentialCoefficient>* previous,
+                      const Array<TangentialCoefficient>& difference, Array<TangentialCoefficient>& sum) {
   sum.clear();
-  const bool done = merge(previous, &difference, [&](const TangentialCoefficient& s, const TangentialCoefficient& t) {
-    const TangentialCoefficient total{s.edge, clamped(std::int64_t{s.along} + t.along),
-                                      clamped(std::int64_t{s.across} + t.across)};
-    return (total.along == 0 && total.across == 0) || sum.push_back(total);
-  });
+  const bool done =
+      merge(previous, &difference, [&](const TangentialCoefficient& s, const TangentialCoefficient& t) {
+        const TangentialCoefficient total{s.edge, clamped(std::int64_t{s.along} + t.along),
+                                          clamped(std::int64_t{s.across} + t.across)};
+        return (total.along == 0 && total.across == 0) || sum.push_back(total);
+      });
   return done ? ok_status() : no_memory();
 }
 

@@ -6,8 +6,8 @@
 //     int code(int bit, std::uint32_t probability_16);
 //     Status check() const;    // decoders: not ok when it is useless to go on
 // An encoder writes `bit` and returns it, a decoder ignores it and returns what it reads, a counter adds up
-// -log2 of the probability. Contexts look at integers only, never at positions, so a decoder whose floating-point
-// unit were wrong would still stay in step.
+// -log2 of the probability. Contexts look at integers only, never at positions, so a decoder whose
+// floating-point unit were wrong would still stay in step.
 #ifndef NMC_COMMON_COEFFICIENT_CODER_H_
 #define NMC_COMMON_COEFFICIENT_CODER_H_
 
@@ -28,8 +28,8 @@ inline constexpr std::int32_t kMaximumMagnitude = (1 << 26) - 1;
 inline constexpr std::uint32_t kSignificanceCountLimit = 250;
 inline constexpr std::uint32_t kMagnitudeCountLimit = 120;
 
-/// An unsigned number: adaptive unary code for its bit length, then the bits below the leading one, the first of
-/// them adaptive.
+/// An unsigned number: adaptive unary code for its bit length, then the bits below the leading one, the first
+/// of them adaptive.
 class NumberModel {
  public:
   template <class Coder>
@@ -47,38 +47,71 @@ class CoefficientModel {
   CoefficientModel() { reset(); }
   void reset();
 
-  /// Codes the detail of the odd vertices of level `level` of `topology` (one per edge), in the order of the edges.
-  /// `previous`: the same coefficients after the previous layer, already multiplied by the ratio of the steps; null
-  /// in the first layer. `vertex_values`: the normal coefficient with which each vertex of `topology` was inserted
-  /// (zero for base vertices). Reads `coefficients` when encoding and fills it when decoding.
+  /// Codes the detail of the odd vertices of level `level` of `topology` (one per edge), in the order of the
+  /// edges. `coarse` is the level below, null for level 0: it tells which edges lie together, and where all
+  /// is quiet around such a block one decision says that the block is zero (spec 5.3.2). `previous`: the same
+  /// coefficients after the previous layer, already multiplied by the ratio of the steps; null in the first
+  /// layer. `vertex_values`: the normal coefficient with which each vertex of `topology` was inserted (zero
+  /// for base vertices). Reads `coefficients` when encoding and fills it when decoding.
   template <class Coder>
-  Status code_level(Coder& coder, Memory* memory, int level, const LevelTopology& topology, const std::int32_t* vertex_values,
+  Status code_level(Coder& coder, Memory* memory, int level, const LevelTopology* coarse,
+                    const LevelTopology& topology, const std::int32_t* vertex_values,
                     const LevelCoefficients* previous, LevelCoefficients& coefficients);
 
  private:
   static constexpr int kLevelClasses = 8;
   static constexpr int kUnary = 14;
 
+  /// What code_normal() sees of a level.
+  struct LevelView {
+    int level_class;
+    const LevelTopology& topology;
+    const std::int32_t* vertex_values;
+    const std::int32_t* previous;
+  };
+  /// How an edge comes to be coded: on its own, or within a block of which something is not zero.
+  enum Kind : int {
+    kHalfEdge = 0,
+    kInnerEdge = 1,
+    kHalfOfOpenBlock = 2,
+    kInnerOfOpenBlock = 3,
+    kKindCount = 4
+  };
+
   template <class Coder>
-  std::int32_t code_normal(Coder& coder, int level_class, const LevelTopology& topology,
-                           const std::int32_t* vertex_values, const std::int32_t* previous, std::uint32_t edge,
-                           const std::int32_t* values);
+  void code_half_edges(Coder& coder, const LevelView& view, const LevelTopology& coarse,
+                       std::uint32_t coarse_edge, std::int32_t* values);
+  template <class Coder>
+  void code_inner_edges(Coder& coder, const LevelView& view, const LevelTopology& coarse,
+                        std::uint32_t coarse_face, std::int32_t* values);
+  template <class Coder>
+  void code_open_block(Coder& coder, const LevelView& view, Kind kind, std::uint32_t first_edge,
+                       int edge_count, std::int32_t* values);
+  template <class Coder>
+  std::int32_t code_normal(Coder& coder, const LevelView& view, Kind kind, bool is_known_nonzero,
+                           std::uint32_t edge, const std::int32_t* values);
   template <class Coder>
   std::int32_t code_signed(Coder& coder, NumberModel& magnitude, AdaptiveBit& sign, std::int32_t value);
   template <class Coder>
-  Status code_tangential(Coder& coder, Memory* memory, const LevelTopology& topology, const LevelCoefficients* previous,
-                         LevelCoefficients& coefficients);
+  Status code_tangential(Coder& coder, Memory* memory, const LevelTopology& topology,
+                         const LevelCoefficients* previous, LevelCoefficients& coefficients);
 
   struct SignificanceStates {
-    AdaptiveBit by_energy[kLevelClasses][3][11];
+    AdaptiveBit by_energy[kLevelClasses][kKindCount][11];
     AdaptiveBit by_neighbours[kLevelClasses][1296];
     AdaptiveBit by_parents[kLevelClasses][11][11];
     AdaptiveBit by_far_ring[12][11];
     AdaptiveBit by_run[kLevelClasses][11];
     AdaptiveBit by_all[11][11][12];
-    AdaptiveBit by_sibling[kLevelClasses][3][5][11];
-    MixerWeights mixer[kLevelClasses][3];
-    MixerWeights energy_mixer[11];
+    AdaptiveBit by_sibling[kLevelClasses][kKindCount][5][11];
+    MixerWeights mixer[kLevelClasses][kKindCount];
+  };
+  struct BlockStates {
+    AdaptiveBit by_run[kLevelClasses][11];
+    AdaptiveBit by_around[10][11];
+    AdaptiveBit by_corners[kLevelClasses][11][2];
+    AdaptiveBit by_last[kLevelClasses][4][10];
+    MixerWeights mixer[kLevelClasses];
   };
   struct SignStates {
     AdaptiveBit by_neighbours[9];
@@ -99,12 +132,15 @@ class CoefficientModel {
     MixerWeights mixer[kUnary];
     NumberModel escape;
   };
-  /// Index 0: nothing is known from a previous layer, or it is zero; 1: it is not zero and the number coded is the
-  /// correction, with the sign taken relative to it.
+  /// Index 0: nothing is known from a previous layer, or it is zero; 1: it is not zero and the number coded
+  /// is the correction, with the sign taken relative to it.
   SignificanceStates significance_[2];
   SignStates sign_[2];
   MagnitudeStates magnitude_[2];
-  std::int32_t run_ = 16;  // running mean of the magnitudes in 1/16
+  BlockStates half_blocks_[2], inner_blocks_[2];  // [1]: there is a previous layer
+  std::uint32_t last_half_blocks_ = 0,
+                last_inner_blocks_ = 0;  // whether the last blocks were open, newest in bit 0
+  std::int32_t run_ = 16;                // running mean of the magnitudes in 1/16
 
   // Tangential list: gaps between entries, and the two components.
   NumberModel tangential_count_[2];

@@ -38,7 +38,8 @@ std::uint32_t NumberModel::code(Coder& coder, std::uint32_t value) {
   const std::uint64_t number = std::uint64_t{value} + 1;
   int length = 0;
   while (length < 32) {
-    const int more = code_adaptive(coder, length_[length], (number >> (length + 1)) != 0, kMagnitudeCountLimit);
+    const int more =
+        code_adaptive(coder, length_[length], (number >> (length + 1)) != 0, kMagnitudeCountLimit);
     if (!more) break;
     ++length;
   }
@@ -64,11 +65,16 @@ std::int32_t CoefficientModel::code_signed(Coder& coder, NumberModel& magnitude,
 }
 
 template <class Coder>
-std::int32_t CoefficientModel::code_normal(Coder& coder, int level_class, const LevelTopology& topology,
-                                           const std::int32_t* vertex_values, const std::int32_t* previous,
-                                           std::uint32_t edge, const std::int32_t* values) {
+std::int32_t CoefficientModel::code_normal(Coder& coder, const LevelView& view, Kind kind,
+                                           bool is_known_nonzero, std::uint32_t edge,
+                                           const std::int32_t* values) {
   using namespace coefficient_internal;
-  // What is known of another edge of this level: its value if it comes earlier, else that of the previous layer.
+  const int level_class = view.level_class;
+  const LevelTopology& topology = view.topology;
+  const std::int32_t* const vertex_values = view.vertex_values;
+  const std::int32_t* const previous = view.previous;
+  // What is known of another edge of this level: its value if it comes earlier, else that of the previous
+  // layer.
   const auto known = [&](std::uint32_t e) { return e < edge ? values[e] : previous[e]; };
   const bool all_known = previous != nullptr;
   const std::uint32_t a = topology.edge_vertices[2 * edge], b = topology.edge_vertices[2 * edge + 1];
@@ -121,7 +127,8 @@ std::int32_t CoefficientModel::code_normal(Coder& coder, int level_class, const 
     }
   const int neighbour_index = classes[0] + 6 * (classes[1] + 6 * (classes[2] + 6 * classes[3]));
 
-  const std::int64_t parent_sum = std::int64_t{magnitude_of(vertex_values[a])} + magnitude_of(vertex_values[b]);
+  const std::int64_t parent_sum =
+      std::int64_t{magnitude_of(vertex_values[a])} + magnitude_of(vertex_values[b]);
   const int parent_class = energy_class(8 * parent_sum);
   const int opposite_class = energy_class(8 * opposite_sum);
   const int far_class = far_count ? energy_class(16 * far_sum / far_count) : 11;
@@ -138,7 +145,6 @@ std::int32_t CoefficientModel::code_normal(Coder& coder, int level_class, const 
   const int run_class = energy_class(run_);
 
   // Halves of one parent edge follow each other; inner edges of one parent face come in threes.
-  const int kind = topology.edge_faces[2 * edge] / 4 == topology.edge_faces[2 * edge + 1] / 4 ? 1 : 0;
   std::int32_t sibling = 0;
   int sibling_class = 4;
   if (edge > 0) {
@@ -153,27 +159,43 @@ std::int32_t CoefficientModel::code_normal(Coder& coder, int level_class, const 
   const std::int32_t target = (values[edge] - before) * orientation;
 
   SignificanceStates& significance = significance_[layer];
-  MixedBit<7> zero(significance.by_energy[level_class][kind][energy_index], significance.by_neighbours[level_class][neighbour_index], significance.by_parents[level_class][parent_class][opposite_class], significance.by_far_ring[far_class][energy_index], significance.by_run[level_class][run_class], significance.by_all[energy_index][parent_class][far_class], significance.by_sibling[level_class][kind][sibling_class][parent_class]);
-  MixerWeights& zero_mixer = significance.mixer[level_class][kind];
-  const int significant = coder.code(target != 0, zero.probability(zero_mixer));
-  zero.update(significant, zero_mixer, kSignificanceCountLimit);
-  if (!significant) {
-    run_ -= run_ >> 3;
-    return before;
+  MixedBit<7> zero(significance.by_energy[level_class][kind][energy_index],
+                   significance.by_neighbours[level_class][neighbour_index],
+                   significance.by_parents[level_class][parent_class][opposite_class],
+                   significance.by_far_ring[far_class][energy_index],
+                   significance.by_run[level_class][run_class],
+                   significance.by_all[energy_index][parent_class][far_class],
+                   significance.by_sibling[level_class][kind][sibling_class][parent_class]);
+  if (!is_known_nonzero) {
+    MixerWeights& zero_mixer = significance.mixer[level_class][kind];
+    const int significant = coder.code(target != 0, zero.probability(zero_mixer));
+    zero.update(significant, zero_mixer, kSignificanceCountLimit);
+    if (!significant) {
+      run_ -= run_ >> 3;
+      return before;
+    }
   }
 
   const int parent_signs = sign_of(vertex_values[a]) + sign_of(vertex_values[b]);
   SignStates& sign = sign_[layer];
-  MixedBit<6> negative(sign.by_neighbours[near_signs + 4], sign.by_parents[level_class][parent_signs + 2], sign.by_opposite[opposite_signs + 2][parent_signs + 2], sign.by_signed[near_signed + 12][sign_of(sibling) + 1][kind], sign.by_all[near_signs + 4][parent_signs + 2][opposite_signs + 2], sign.by_sibling[sign_of(sibling) + 1][opposite_signs + 2]);
-  const int is_negative = coder.code(target < 0, negative.probability(sign.mixer[kind]));
-  negative.update(is_negative, sign.mixer[kind], kSignificanceCountLimit);
+  MixedBit<6> negative(sign.by_neighbours[near_signs + 4], sign.by_parents[level_class][parent_signs + 2],
+                       sign.by_opposite[opposite_signs + 2][parent_signs + 2],
+                       sign.by_signed[near_signed + 12][sign_of(sibling) + 1][kind & 1],
+                       sign.by_all[near_signs + 4][parent_signs + 2][opposite_signs + 2],
+                       sign.by_sibling[sign_of(sibling) + 1][opposite_signs + 2]);
+  const int is_negative = coder.code(target < 0, negative.probability(sign.mixer[kind & 1]));
+  negative.update(is_negative, sign.mixer[kind & 1], kSignificanceCountLimit);
 
   MagnitudeStates& magnitude = magnitude_[layer];
   const std::uint32_t excess = static_cast<std::uint32_t>(magnitude_of(target)) - 1;
   const int largest_class = near_count == 0 ? 6 : largest > 5 ? 5 : largest;
   std::uint32_t m = 0;
   while (m < kUnary) {
-    MixedBit<6> more(magnitude.by_energy[energy_index][m], magnitude.by_far_ring[far_class][m], magnitude.by_parents[level_class][parent_class][m], magnitude.by_largest[largest_class][m], magnitude.by_level_energy[level_class][energy_index][m], magnitude.by_sib[sibling_class][kind][m]);
+    MixedBit<6> more(magnitude.by_energy[energy_index][m], magnitude.by_far_ring[far_class][m],
+                     magnitude.by_parents[level_class][parent_class][m],
+                     magnitude.by_largest[largest_class][m],
+                     magnitude.by_level_energy[level_class][energy_index][m],
+                     magnitude.by_sib[sibling_class][kind & 1][m]);
     const int bit = coder.code(excess > m, more.probability(magnitude.mixer[m]));
     more.update(bit, magnitude.mixer[m], kMagnitudeCountLimit);
     if (!bit) break;
@@ -193,8 +215,8 @@ std::int32_t CoefficientModel::code_normal(Coder& coder, int level_class, const 
 Status subtract_tangential(const Array<TangentialCoefficient>& a, const Array<TangentialCoefficient>* b,
                            Array<TangentialCoefficient>& difference);
 /// previous + difference by edge, zero entries left out.
-Status add_tangential(const Array<TangentialCoefficient>* previous, const Array<TangentialCoefficient>& difference,
-                      Array<TangentialCoefficient>& sum);
+Status add_tangential(const Array<TangentialCoefficient>* previous,
+                      const Array<TangentialCoefficient>& difference, Array<TangentialCoefficient>& sum);
 
 template <class Coder>
 Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const LevelTopology& topology,
@@ -203,7 +225,8 @@ Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const Lev
   const int layer = previous ? 1 : 0;
   Array<TangentialCoefficient> difference(memory);
   if constexpr (!Coder::kDecodes) {
-    NMC_TRY(subtract_tangential(coefficients.tangential, previous ? &previous->tangential : nullptr, difference));
+    NMC_TRY(
+        subtract_tangential(coefficients.tangential, previous ? &previous->tangential : nullptr, difference));
   }
 
   // Curves: `across` is as free as the normal offset, so it is coded for every curve edge.
@@ -216,7 +239,8 @@ Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const Lev
       std::int32_t across = 0;
       if constexpr (!Coder::kDecodes) {
         while (position < difference.size() && difference[position].edge < edge) ++position;
-        if (position < difference.size() && difference[position].edge == edge) across = difference[position].across;
+        if (position < difference.size() && difference[position].edge == edge)
+          across = difference[position].across;
       }
       across = code_signed(coder, curve_across_[context], curve_across_sign_[context], across);
       context = across == 0 ? 0 : magnitude_of(across) < 3 ? 1 : 2;
@@ -242,7 +266,8 @@ Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const Lev
       t = difference[position++];
     }
     const std::uint32_t gap = gap_.code(coder, t.edge - next_edge);
-    NMC_CHECK_STREAM(gap < topology.edge_count - next_edge, "5.3.4", "a tangential coefficient names no edge");
+    NMC_CHECK_STREAM(gap < topology.edge_count - next_edge, "5.3.4",
+                     "a tangential coefficient names no edge");
     t.edge = next_edge + gap;
     next_edge = t.edge + 1;
     t.along = code_signed(coder, along_, along_sign_, t.along);
@@ -253,7 +278,8 @@ Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const Lev
         if (!decoded.push_back(curves[curve])) return no_memory();
       }
       t.across = across;
-      if (on_curve && curve < curves.size() && curves[curve].edge == t.edge) t.across = curves[curve++].across;
+      if (on_curve && curve < curves.size() && curves[curve].edge == t.edge)
+        t.across = curves[curve++].across;
       if (!decoded.push_back(t)) return no_memory();
     }
     if (i + 1 < count) {
@@ -270,18 +296,151 @@ Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const Lev
 }
 
 template <class Coder>
-Status CoefficientModel::code_level(Coder& coder, Memory* memory, int level, const LevelTopology& topology,
-                                    const std::int32_t* vertex_values, const LevelCoefficients* previous,
-                                    LevelCoefficients& coefficients) {
-  if (!coefficients.normal.resize(topology.edge_count)) return no_memory();
-  const int level_class = level < kLevelClasses ? level : kLevelClasses - 1;
-  const std::int32_t* before = previous ? previous->normal.data() : nullptr;
-  for (std::uint32_t edge = 0; edge < topology.edge_count; ++edge) {
-    if constexpr (Coder::kDecodes) {
-      if ((edge & 8191u) == 0) NMC_TRY(coder.check());
+void CoefficientModel::code_open_block(Coder& coder, const LevelView& view, Kind kind,
+                                       std::uint32_t first_edge, int edge_count, std::int32_t* values) {
+  bool all_zero = true;
+  for (int i = 0; i < edge_count; ++i) {
+    const std::uint32_t edge = first_edge + static_cast<std::uint32_t>(i);
+    values[edge] = code_normal(coder, view, kind, all_zero && i == edge_count - 1, edge, values);
+    all_zero &= values[edge] == 0;
+  }
+}
+
+template <class Coder>
+void CoefficientModel::code_half_edges(Coder& coder, const LevelView& view, const LevelTopology& coarse,
+                                       std::uint32_t coarse_edge, std::int32_t* values) {
+  using namespace coefficient_internal;
+  const std::uint32_t first = 2 * coarse_edge;
+  const std::int32_t* const previous = view.previous;
+  const auto known = [&](std::uint32_t e) {
+    return e < first ? magnitude_of(values[e]) : previous ? magnitude_of(previous[e]) : 0;
+  };
+  const std::uint32_t a = coarse.edge_vertices[2 * coarse_edge],
+                      b = coarse.edge_vertices[2 * coarse_edge + 1];
+  std::int64_t middle = magnitude_of(view.vertex_values[coarse.vertex_count + coarse_edge]);
+  std::int64_t near_sum =
+      previous ? std::int64_t{magnitude_of(previous[first])} + magnitude_of(previous[first + 1]) : 0;
+  std::int64_t opposite = 0, wide = 0;
+  for (int side = 0; side < 2; ++side) {
+    const std::uint32_t face = coarse.edge_faces[2 * coarse_edge + side];
+    if (face == kNone) continue;
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t e = coarse.face_edges[3 * face + k];
+      if (e == coarse_edge) continue;
+      opposite += magnitude_of(view.vertex_values[coarse.vertex_count + e]);
+      // The half of e at the end that it shares with this edge.
+      const std::uint32_t start = coarse.edge_vertices[2 * e];
+      const std::uint32_t at_start = start == a || start == b ? 0u : 1u;
+      near_sum += known(2 * e + at_start);
+      wide += known(2 * e + 1 - at_start);
     }
-    coefficients.normal[edge] =
-        code_normal(coder, level_class, topology, vertex_values, before, edge, coefficients.normal.data());
+  }
+  const Kind alone = kHalfEdge;
+  if (middle + near_sum + opposite != 0) {
+    for (std::uint32_t edge = first; edge < first + 2; ++edge) {
+      values[edge] = code_normal(coder, view, alone, false, edge, values);
+    }
+    return;
+  }
+  const std::int64_t ends =
+      std::int64_t{magnitude_of(view.vertex_values[a])} + magnitude_of(view.vertex_values[b]);
+  BlockStates& states = half_blocks_[previous ? 1 : 0];
+  const int run_class = energy_class(run_), ends_class = energy_class(8 * ends);
+  MixedBit<4> open(states.by_run[view.level_class][run_class],
+                   states.by_around[wide > 9 ? 9 : wide][ends_class],
+                   states.by_corners[view.level_class][ends_class][last_half_blocks_ & 1],
+                   states.by_last[view.level_class][last_half_blocks_ & 3][wide > 9 ? 9 : wide]);
+  MixerWeights& mixer = states.mixer[view.level_class];
+  const int is_open = coder.code(values[first] != 0 || values[first + 1] != 0, open.probability(mixer));
+  open.update(is_open, mixer, kSignificanceCountLimit);
+  last_half_blocks_ = 2 * last_half_blocks_ + static_cast<std::uint32_t>(is_open);
+  if (is_open) {
+    code_open_block(coder, view, kHalfOfOpenBlock, first, 2, values);
+    return;
+  }
+  values[first] = values[first + 1] = 0;
+  run_ -= run_ >> 3;
+  run_ -= run_ >> 3;
+}
+
+template <class Coder>
+void CoefficientModel::code_inner_edges(Coder& coder, const LevelView& view, const LevelTopology& coarse,
+                                        std::uint32_t coarse_face, std::int32_t* values) {
+  using namespace coefficient_internal;
+  const std::uint32_t first = 2 * coarse.edge_count + 3 * coarse_face;
+  const std::int32_t* const previous = view.previous;
+  std::int64_t near_sum = 0, wide = 0, corners = 0;
+  for (int k = 0; k < 3; ++k) {
+    const std::uint32_t e = coarse.face_edges[3 * coarse_face + k];
+    near_sum += magnitude_of(view.vertex_values[coarse.vertex_count + e]);
+    near_sum += std::int64_t{magnitude_of(values[2 * e])} + magnitude_of(values[2 * e + 1]);
+    if (previous) near_sum += magnitude_of(previous[first + k]);
+  }
+  if (near_sum != 0) {
+    for (std::uint32_t edge = first; edge < first + 3; ++edge) {
+      values[edge] = code_normal(coder, view, kInnerEdge, false, edge, values);
+    }
+    return;
+  }
+  for (int k = 0; k < 3; ++k) {
+    corners += magnitude_of(view.vertex_values[coarse.face_vertices[3 * coarse_face + k]]);
+    const std::uint32_t e = coarse.face_edges[3 * coarse_face + k];
+    const std::uint32_t left = coarse.edge_faces[2 * e], right = coarse.edge_faces[2 * e + 1];
+    const std::uint32_t other = left == coarse_face ? right : left;
+    if (other == kNone) continue;
+    const std::int32_t* from = other < coarse_face ? values : previous;
+    if (!from) continue;
+    const std::uint32_t there = 2 * coarse.edge_count + 3 * other;
+    wide += std::int64_t{magnitude_of(from[there])} + magnitude_of(from[there + 1]) +
+            magnitude_of(from[there + 2]);
+  }
+  BlockStates& states = inner_blocks_[previous ? 1 : 0];
+  const int run_class = energy_class(run_), corner_class = energy_class(8 * corners);
+  MixedBit<4> open(states.by_run[view.level_class][run_class],
+                   states.by_around[wide > 9 ? 9 : wide][corner_class],
+                   states.by_corners[view.level_class][corner_class][last_inner_blocks_ & 1],
+                   states.by_last[view.level_class][last_inner_blocks_ & 3][wide > 9 ? 9 : wide]);
+  MixerWeights& mixer = states.mixer[view.level_class];
+  const int is_open = coder.code(values[first] != 0 || values[first + 1] != 0 || values[first + 2] != 0,
+                                 open.probability(mixer));
+  open.update(is_open, mixer, kSignificanceCountLimit);
+  last_inner_blocks_ = 2 * last_inner_blocks_ + static_cast<std::uint32_t>(is_open);
+  if (is_open) {
+    code_open_block(coder, view, kInnerOfOpenBlock, first, 3, values);
+    return;
+  }
+  values[first] = values[first + 1] = values[first + 2] = 0;
+  for (int i = 0; i < 3; ++i) run_ -= run_ >> 3;
+}
+
+template <class Coder>
+Status CoefficientModel::code_level(Coder& coder, Memory* memory, int level, const LevelTopology* coarse,
+                                    const LevelTopology& topology, const std::int32_t* vertex_values,
+                                    const LevelCoefficients* previous, LevelCoefficients& coefficients) {
+  if (!coefficients.normal.resize(topology.edge_count)) return no_memory();
+  const LevelView view = {level < kLevelClasses ? level : kLevelClasses - 1, topology, vertex_values,
+                          previous ? previous->normal.data() : nullptr};
+  std::int32_t* const values = coefficients.normal.data();
+  const auto check_now_and_then = [&](std::uint32_t i) {
+    if constexpr (Coder::kDecodes) {
+      if ((i & 8191u) == 0) return coder.check();
+    }
+    return ok_status();
+  };
+  if (!coarse) {
+    for (std::uint32_t edge = 0; edge < topology.edge_count; ++edge) {
+      NMC_TRY(check_now_and_then(edge));
+      values[edge] = code_normal(coder, view, kHalfEdge, false, edge, values);
+    }
+  } else {
+    for (std::uint32_t edge = 0; edge < coarse->edge_count; ++edge) {
+      NMC_TRY(check_now_and_then(edge));
+      code_half_edges(coder, view, *coarse, edge, values);
+    }
+    for (std::uint32_t face = 0; face < coarse->face_count; ++face) {
+      NMC_TRY(check_now_and_then(face));
+      code_inner_edges(coder, view, *coarse, face, values);
+    }
   }
   return code_tangential(coder, memory, topology, previous, coefficients);
 }
