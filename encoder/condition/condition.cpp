@@ -26,6 +26,7 @@ namespace nmc {
 
 namespace {
 
+using conditioning::Defect;
 using conditioning::EdgeGroups;
 using conditioning::GroupedHalfEdge;
 using conditioning::head_of;
@@ -36,7 +37,7 @@ using conditioning::WorkingMesh;
 constexpr std::size_t kMaximumTriangles = std::size_t{1} << 30;  // half-edge numbers are 32 bits
 constexpr double kSmallestExtent = 1e-60,
                  kLargestExtent = 1e60;  // fourth powers of lengths stay finite and normal
-constexpr int kMaximumWeldRounds = 8;
+constexpr int kMaximumWeldRounds = 8, kMaximumSeparations = 4;
 
 [[noreturn]] void refuse(const std::string& reason) { throw Error(ExitCode::kInvalidInput, reason); }
 
@@ -81,8 +82,10 @@ class Conditioner {
     out_.fate.assign(input_.triangle_count(), TriangleFate::kKept);
     const auto is_usable = [&](std::uint32_t v) { return is_finite(input_.positions[v]); };
     for (std::size_t v = 0; v < input_.vertex_count(); ++v)
-      if (!is_finite(input_.positions[v]) && report.non_finite_vertices++ == 0)
-        mesh_.note(fmt::format("vertex {} is not finite", v));
+      if (!is_finite(input_.positions[v])) {
+        ++report.non_finite_vertices;
+        mesh_.note(Defect::kNonFinite, [&] { return fmt::format("vertex {} is not finite", v); });
+      }
     std::size_t out_of_range = 0;
     mesh_.stored.reserve(input_.triangle_count());
     mesh_.source.reserve(input_.triangle_count());
@@ -91,8 +94,10 @@ class Conditioner {
       const auto bad = std::find_if(corners.begin(), corners.end(),
                                     [&](std::uint32_t v) { return v >= input_.vertex_count(); });
       if (bad != corners.end()) {
-        if (out_of_range++ == 0)
-          mesh_.note(fmt::format("triangle {} names vertex {} of {}", t, *bad, input_.vertex_count()));
+        ++out_of_range;
+        mesh_.note(Defect::kOutOfRange, [&] {
+          return fmt::format("triangle {} names vertex {} of {}", t, *bad, input_.vertex_count());
+        });
         out_.fate[t] = TriangleFate::kOutOfRange;
       } else if (!std::all_of(corners.begin(), corners.end(), is_usable)) {
         out_.fate[t] = TriangleFate::kNonFinite;
@@ -147,7 +152,7 @@ class Conditioner {
     if (weld_radius_ > 0 && all_float) weld_radius_ = std::max(weld_radius_, largest * 0x1p-22);
   }
 
-  // ------------------------------------------------------------------------------------------------ kNone
+  // -------------------------------------------------------------------------------------- kNone
 
   void accept_manifold_only() {
     conditioning::drop_degenerate(mesh_);
@@ -176,18 +181,17 @@ class Conditioner {
       opposite[h] = other;
       opposite[other] = h;
     });
-    const conditioning::SplitVertices split = conditioning::split_vertices(mesh_, opposite);
-    if (out_.report.split_vertices > 0)
-      refuse(fmt::format(
-          "not a manifold: {} vertices join several sheets of the surface, the first is vertex {}; "
-          "--repair auto would separate them",
-          out_.report.non_manifold_vertices, split.source[input_.vertex_count()]));
+    const conditioning::SplitVertices split = conditioning::split_vertices(mesh_, opposite, false);
+    if (split.source.size() > input_.vertex_count())
+      refuse(
+          fmt::format("not a manifold: vertex {} joins several sheets of the surface; --repair auto would "
+                      "separate them",
+                      split.source[input_.vertex_count()]));
     source_ = split.source;
     welded_ = split.welded;
   }
 
-  // ------------------------------------------------------------------------------------------------ kAuto,
-  // kStrict
+  // -------------------------------------------------------------------------------------- kAuto, kStrict
 
   void repair() {
     step("welding", 0.05);
@@ -196,33 +200,58 @@ class Conditioner {
       for (std::uint32_t& v : t) v = equal_[v];
     conditioning::drop_degenerate(mesh_);
     refuse_without_area();
-    std::vector<std::uint32_t> opposite;
-    {
-      EdgeGroups edges(mesh_.triangles, mesh_.positions.size());
-      const auto group_again = [&] { edges = EdgeGroups(mesh_.triangles, mesh_.positions.size()); };
+    EdgeGroups edges(mesh_.triangles, mesh_.positions.size());
+    const auto group_again = [&] { edges = EdgeGroups(mesh_.triangles, mesh_.positions.size()); };
+    drop_duplicates(edges, group_again);
+    weld_nearby(edges, group_again);
+    step("closing cracks", 0.3);
+    if (options_.close_t_junctions &&
+        conditioning::close_t_junctions(mesh_, edges, out_.report.weld_distance) > 0) {
+      conditioning::drop_degenerate(mesh_);
+      group_again();
       drop_duplicates(edges, group_again);
-      weld_nearby(edges, group_again);
-      step("closing cracks", 0.3);
-      if (options_.close_t_junctions &&
-          conditioning::close_t_junctions(mesh_, edges, out_.report.weld_distance) > 0) {
-        conditioning::drop_degenerate(mesh_);
-        group_again();
-        drop_duplicates(edges, group_again);
-      }
-      step("pairing edges", 0.4);
-      opposite = conditioning::pair_edges(mesh_, edges);
     }
-    step("splitting vertices", 0.5);
-    conditioning::SplitVertices split = conditioning::split_vertices(mesh_, opposite);
-    source_ = std::move(split.source);
-    welded_ = std::move(split.welded);
-    step("removing slivers", 0.6);
-    conditioning::remove_slivers(mesh_, opposite, split.is_seam);
-    if (options_.repair == Repair::kAuto)
-      conditioning::fill_small_holes(mesh_, opposite, split.is_seam, options_);
+    std::vector<std::uint32_t> opposite;
+    std::vector<std::uint8_t> is_seam;
+    for (int round = 0;; ++round) {
+      step("pairing edges", 0.4);
+      separate_sheets(edges, round == 0, opposite, is_seam);
+      edges = EdgeGroups({}, 0);  // half of the memory in use
+      step("removing slivers", 0.6);
+      if (conditioning::remove_slivers(mesh_, opposite, is_seam) == 0) break;
+      // A sliver may have been what kept two sheets apart or together.
+      if (std::find(is_seam.begin(), is_seam.end(), 1) == is_seam.end() || round == kMaximumSeparations)
+        break;
+      mesh_.stored = mesh_.triangles;
+      for (Triangle& t : mesh_.triangles)
+        for (std::uint32_t& v : t) v = welded_[v];
+      group_again();
+      drop_duplicates(edges, group_again);
+    }
+    if (options_.repair == Repair::kAuto) conditioning::fill_small_holes(mesh_, opposite, is_seam, options_);
     treat_dust(opposite);
     step("orienting", 0.75);
     if (options_.turn_outward) turned_ = conditioning::turn_outward(mesh_, opposite);
+  }
+
+  /// Pairs half-edges and splits vertices. A later round starts from the vertices that the last one made.
+  void separate_sheets(const EdgeGroups& edges, bool is_first_round, std::vector<std::uint32_t>& opposite,
+                       std::vector<std::uint8_t>& is_seam) {
+    conditioning::PairedEdges paired = conditioning::pair_edges(mesh_, edges);
+    if (is_first_round) {
+      out_.report.non_manifold_edges = paired.crowded_edges;
+      out_.report.non_manifold_edges_open = paired.crowded_edges_open;
+      out_.report.cut_edges = paired.cut_edges;
+      out_.report.non_orientable_components = paired.non_orientable_pieces;
+    }
+    opposite = std::move(paired.pairs);
+    conditioning::SplitVertices split =
+        conditioning::split_vertices(mesh_, opposite, paired.crowded_edges + paired.cut_edges > 0);
+    if (!is_first_round)
+      for (std::uint32_t& source : split.source) source = source_[source];
+    source_ = std::move(split.source);
+    welded_ = std::move(split.welded);
+    is_seam = std::move(split.is_seam);
   }
 
   template <class GroupAgain>
@@ -238,11 +267,11 @@ class Conditioner {
       nearby_.resize(input_.vertex_count(), 0);
       for (std::uint32_t v = 0; v < target.size(); ++v) {
         if (target[v] == v || nearby_[v]) continue;
-        if (!noted_nearby_)
-          mesh_.note(fmt::format("vertices {} and {} are {:g} apart", target[v], v,
-                                 distance(mesh_.positions[target[v]], mesh_.positions[v])));
+        mesh_.note(Defect::kNearbyVertices, [&] {
+          return fmt::format("vertices {} and {} are {:g} apart", target[v], v,
+                             distance(mesh_.positions[target[v]], mesh_.positions[v]));
+        });
         nearby_[v] = 1;
-        noted_nearby_ = true;
       }
       conditioning::drop_degenerate(mesh_);
       group_again();
@@ -295,7 +324,7 @@ class Conditioner {
                                                  mesh_.triangles.size()));
   }
 
-  // ------------------------------------------------------------------------------------------------ output
+  // -------------------------------------------------------------------------------------- output
 
   void write_output() {
     std::vector<std::uint32_t> renamed(mesh_.positions.size(), kNone);
@@ -346,8 +375,12 @@ class Conditioner {
 
   void count_vertices() {
     ConditionReport& report = out_.report;
-    std::vector<std::uint8_t> is_output(input_.vertex_count(), 0);
-    for (const std::uint32_t v : out_.source_vertex) is_output[v] = 1;
+    std::vector<std::uint8_t> is_output(input_.vertex_count(), 0);  // 2: more than once
+    for (const std::uint32_t v : out_.source_vertex) {
+      report.split_vertices += is_output[v] > 0;
+      report.non_manifold_vertices += is_output[v] == 1;
+      if (is_output[v] < 2) ++is_output[v];
+    }
     for (std::size_t v = 0; v < input_.vertex_count(); ++v) {
       if (is_output[v] || !is_finite(input_.positions[v])) continue;
       if (used_[v] && !equal_.empty() && equal_[v] != v)
@@ -412,7 +445,6 @@ class Conditioner {
   double weld_radius_ = 0;
   std::vector<std::uint8_t> used_;              // input vertices that a usable triangle names
   std::vector<std::uint32_t> equal_;            // as equal_vertices()
-  bool noted_nearby_ = false;
   std::vector<std::uint8_t> nearby_;            // input vertices that weld_nearby() merged into others
   std::vector<std::uint32_t> source_, welded_;  // as SplitVertices
   std::vector<std::uint8_t> turned_;            // by component

@@ -22,10 +22,11 @@
 namespace nmc {
 
 enum class Repair {
-  kAuto,  // repair what needs it and report it
+  kAuto,     // repair what needs it and report it
   kNothing,  // leave out only what cannot be stored (non-finite and out-of-range triangles, triangles that
-          // repeat a vertex, unused vertices); a mesh that is not an oriented manifold after that is refused
-  kStrict,  // as kAuto, but a mesh for which ConditionReport::needed_repair() holds is refused
+             // repeat a vertex, unused vertices); a mesh that is not an oriented manifold after that is
+             // refused
+  kStrict,   // as kAuto, but a mesh for which ConditionReport::needed_repair() holds is refused
 };
 
 struct ConditionOptions {

@@ -47,18 +47,17 @@ struct ConditionReport {
   std::size_t welded_exactly = 0;         // merged into another vertex at the very same position
   std::size_t welded_nearby = 0;          // merged into another one within weld_distance
   double weld_distance = 0;               // in units of the positions
-  std::size_t split_vertices = 0;  // copies added where one vertex joined several sheets of the surface
+  std::size_t split_vertices = 0;         // copies added where one vertex joins several sheets of the surface
 
   // Shape.
   std::size_t needles_collapsed = 0, caps_flipped = 0, caps_removed = 0, slivers_left = 0;
   std::size_t t_junctions_closed = 0;  // vertices inserted into open edges
   std::size_t non_manifold_edges = 0;  // edges with more than two triangles (after duplicates were dropped)
   std::size_t non_manifold_edges_open = 0;  // of these, edges where a triangle was left without a partner
-  std::size_t non_manifold_vertices = 0;    // vertices that joined several sheets
+  std::size_t non_manifold_vertices = 0;    // vertices of which there is such a copy
   std::size_t cut_edges = 0;                // edges opened because the surface cannot be oriented across them
   std::size_t non_orientable_components = 0;
-  std::size_t reoriented_triangles = 0;  // turned to agree with their neighbours
-  std::size_t turned_components = 0;     // whole closed components that were inside out
+  std::size_t turned_components = 0;  // whole closed components that were inside out
   std::size_t filled_holes = 0, filled_hole_triangles = 0;
   double filled_hole_area = 0;
   std::size_t dust_components = 0;  // dropped

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "encoder/condition/disjoint_sets.h"
+#include "encoder/condition/parity_sets.h"
 
 namespace nmc::conditioning {
 
@@ -23,7 +23,7 @@ bool same_orientation(const Triangle& a, const Triangle& b) {
 }
 
 /// For each triangle: the patch it belongs to in the file's own connectivity (its lowest triangle), and
-/// whether that patch is closed and manifold there.
+/// whether that patch is a closed, orientable manifold there.
 struct Patches {
   std::vector<std::uint32_t> of_triangle;
   std::vector<std::uint8_t> is_closed;        // at the patch's lowest triangle
@@ -32,14 +32,19 @@ struct Patches {
   Patches(const std::vector<Triangle>& stored, std::size_t vertex_count)
       : of_triangle(stored.size()), is_closed(stored.size(), 1), triangle_count(stored.size(), 0) {
     const EdgeGroups edges(stored, vertex_count);
-    DisjointSets sets(stored.size());
+    ParitySets sets(stored.size());
+    std::vector<std::uint32_t> contradictions;
     edges.for_each([&](std::span<const GroupedHalfEdge> group) {
-      if (group.size() == 2) sets.unite(group[0].half_edge() / 3, group[1].half_edge() / 3);
+      if (group.size() != 2) return;
+      const std::uint32_t a = group[0].half_edge(), b = group[1].half_edge();
+      if (!sets.unite(a / 3, b / 3, tail_of(stored, a) == tail_of(stored, b)))
+        contradictions.push_back(a / 3);
     });
     for (std::uint32_t t = 0; t < stored.size(); ++t) {
-      of_triangle[t] = sets.find(t);
+      of_triangle[t] = sets.find(t).root;
       ++triangle_count[of_triangle[t]];
     }
+    for (const std::uint32_t t : contradictions) is_closed[of_triangle[t]] = 0;
     edges.for_each([&](std::span<const GroupedHalfEdge> group) {
       if (group.size() != 2)
         for (const GroupedHalfEdge& entry : group) is_closed[of_triangle[entry.half_edge() / 3]] = 0;
@@ -58,9 +63,9 @@ void drop_degenerate(WorkingMesh& mesh) {
     return mesh.triangles.size();
   }();
   if (first == mesh.triangles.size()) return;
-  if (mesh.report.first_cases.empty() || mesh.report.count(TriangleFate::kDegenerate) == 0)
-    mesh.note(fmt::format("triangle {} has two corners at the same point", mesh.source[first]));
-  mesh.report.triangles_by_fate[static_cast<int>(TriangleFate::kDegenerate)] += mesh.drop([&](std::size_t t) {
+  mesh.note(Defect::kDegenerate,
+            [&] { return fmt::format("triangle {} has two corners at the same point", mesh.source[first]); });
+  mesh.drop([&](std::size_t t) {
     const Triangle& c = mesh.triangles[t];
     return c[0] == c[1] || c[1] == c[2] || c[2] == c[0] ? TriangleFate::kDegenerate : TriangleFate::kKept;
   });
@@ -136,13 +141,14 @@ std::size_t drop_duplicates(WorkingMesh& mesh, const EdgeGroups& edges) {
   }
   for (const TriangleFate fate : {TriangleFate::kDuplicate, TriangleFate::kOppositeDuplicate}) {
     const auto first = std::find(verdict.begin(), verdict.end(), fate);
-    if (first == verdict.end() || mesh.report.count(fate) > 0) continue;
-    mesh.note(fmt::format("triangle {} has the corners of an earlier triangle in {} orientation",
-                          mesh.source[static_cast<std::size_t>(first - verdict.begin())],
-                          fate == TriangleFate::kDuplicate ? "the same" : "opposite"));
+    if (first == verdict.end()) continue;
+    const bool same = fate == TriangleFate::kDuplicate;
+    mesh.note(same ? Defect::kDuplicate : Defect::kOppositeDuplicate, [&] {
+      return fmt::format("triangle {} has the corners of an earlier triangle in {} orientation",
+                         mesh.source[static_cast<std::size_t>(first - verdict.begin())],
+                         same ? "the same" : "opposite");
+    });
   }
-  for (const TriangleFate fate : verdict)
-    mesh.report.triangles_by_fate[static_cast<int>(fate)] += is_dropped(fate);
   return mesh.drop([&](std::size_t t) { return verdict[t]; });
 }
 

@@ -55,6 +55,10 @@ std::vector<std::uint32_t> outermost_containers(const WorkingMesh& mesh, const P
   if (walls.empty()) return container;
   const SurfaceIndex index(mesh.positions, walls);
 
+  // Largest first.
+  const auto rank = [&](std::uint32_t p) {
+    return std::pair(-squared_norm(pieces.list[p].box.maximum - pieces.list[p].box.minimum), p);
+  };
   // Three directions that no modelled face or edge is likely to follow.
   const std::array<Vec3, 3> directions = {Vec3{0.8191, 0.3217, 0.4752}, Vec3{-0.2857, 0.7643, -0.5781},
                                           Vec3{0.4139, -0.6043, 0.6808}};
@@ -85,10 +89,8 @@ std::vector<std::uint32_t> outermost_containers(const WorkingMesh& mesh, const P
     }
     for (const auto& [piece, count] : votes) {
       if (count < 2) continue;
-      const auto rank = [&](std::uint32_t p) {
-        return std::pair(-squared_norm(pieces.list[p].box.maximum - pieces.list[p].box.minimum), p);
-      };
-      if (container[inner] == kNone || rank(piece) < rank(container[inner])) container[inner] = piece;
+      if (rank(piece) < rank(inner) && (container[inner] == kNone || rank(piece) < rank(container[inner])))
+        container[inner] = piece;
     }
   });
   return container;
@@ -110,13 +112,17 @@ std::vector<std::uint8_t> turn_outward(WorkingMesh& mesh, std::vector<std::uint3
     return piece.is_closed && piece.volume < -1e-12 * extent * piece.area;
   };
   for (std::uint32_t p = 0; p < pieces.list.size(); ++p) {
-    // The outermost container lies in no other one, or the two would be each other's outermost.
-    const std::uint32_t decisive = container[p] == kNone ? p : container[p];
+    // Containers are larger than what they hold, so the chain ends. It has more than one link only where rays
+    // disagree, as between components that cross each other.
+    std::uint32_t decisive = p;
+    while (container[decisive] != kNone) decisive = container[decisive];
     turned[p] = is_inside_out(decisive);
     if (!turned[p]) continue;
-    if (mesh.report.turned_components++ == 0)
-      mesh.note(fmt::format("the closed component of triangle {} is inside out",
-                            mesh.source[pieces.list[p].first_triangle]));
+    ++mesh.report.turned_components;
+    mesh.note(Defect::kInsideOut, [&] {
+      return fmt::format("the closed component of triangle {} is inside out",
+                         mesh.source[pieces.list[p].first_triangle]);
+    });
   }
   if (mesh.report.turned_components == 0) return turned;
   std::vector<std::uint8_t> turn(mesh.triangles.size());

@@ -25,9 +25,12 @@ class Pairing {
  public:
   explicit Pairing(WorkingMesh& mesh) : mesh_(mesh), pairs_(3 * mesh.triangles.size(), kNone) {}
 
-  std::vector<std::uint32_t> run(const EdgeGroups& edges) {
+  PairedEdges run(const EdgeGroups& edges) {
+    PairedEdges result;
     edges.for_each([&](std::span<const GroupedHalfEdge> group) { pair_plainly(group); });
-    open_contradictory_pairs(mesh_, pairs_);
+    const CutEdges cut = open_contradictory_pairs(mesh_, pairs_);
+    result.cut_edges = cut.edges;
+    result.non_orientable_pieces = cut.pieces;
     Sides sides(mesh_, pairs_);
     for (const auto& crowd : crowds_) {
       std::vector<Leaf> leaves = leaves_of(crowd, sides);
@@ -42,11 +45,13 @@ class Pairing {
         changed |= pair_flattest_first(leaves, sides, true);
       }
     }
+    result.crowded_edges = crowded_edge_count_;
     for (const auto& crowd : crowds_)
-      mesh_.report.non_manifold_edges_open +=
+      result.crowded_edges_open +=
           std::any_of(crowd.begin(), crowd.end(), [&](std::uint32_t h) { return pairs_[h] == kNone; });
     turn(sides);
-    return std::move(pairs_);
+    result.pairs = std::move(pairs_);
+    return result;
   }
 
  private:
@@ -66,11 +71,12 @@ class Pairing {
       join(group[0].half_edge(), group[1].half_edge());
       return;
     }
-    if (mesh_.report.non_manifold_edges++ == 0) {
+    ++crowded_edge_count_;
+    mesh_.note(Defect::kCrowdedEdge, [&] {
       const std::uint32_t h = group[0].half_edge();
-      mesh_.note(fmt::format("the edge between vertices {} and {} has {} triangles", tail_of(mesh_.stored, h),
-                             head_of(mesh_.stored, h), group.size()));
-    }
+      return fmt::format("the edge between vertices {} and {} has {} triangles", tail_of(mesh_.stored, h),
+                         head_of(mesh_.stored, h), group.size());
+    });
     std::vector<std::pair<std::uint64_t, std::uint32_t>> by_stored_edge;
     for (const GroupedHalfEdge& entry : group)
       by_stored_edge.push_back({stored_edge(entry.half_edge()), entry.half_edge()});
@@ -164,23 +170,24 @@ class Pairing {
 
   void turn(Sides& sides) {
     std::vector<std::uint8_t> turned(mesh_.triangles.size());
-    for (std::uint32_t t = 0; t < turned.size(); ++t) {
-      turned[t] = sides.is_turned(t);
-      if (turned[t] && mesh_.report.reoriented_triangles++ == 0)
-        mesh_.note(fmt::format("triangle {} is oriented against its neighbours", mesh_.source[t]));
-    }
-    if (mesh_.report.reoriented_triangles > 0) turn_triangles(mesh_, pairs_, turned);
+    for (std::uint32_t t = 0; t < turned.size(); ++t) turned[t] = sides.is_turned(t);
+    const auto first = std::find(turned.begin(), turned.end(), 1);
+    if (first == turned.end()) return;
+    mesh_.note(Defect::kMisoriented, [&] {
+      return fmt::format("triangle {} is oriented against its neighbours",
+                         mesh_.source[static_cast<std::size_t>(first - turned.begin())]);
+    });
+    turn_triangles(mesh_, pairs_, turned);
   }
 
   WorkingMesh& mesh_;
   std::vector<std::uint32_t> pairs_;
+  std::size_t crowded_edge_count_ = 0;
   std::vector<std::vector<std::uint32_t>> crowds_;  // unpaired half-edges of each crowded edge
 };
 
 }  // namespace
 
-std::vector<std::uint32_t> pair_edges(WorkingMesh& mesh, const EdgeGroups& edges) {
-  return Pairing(mesh).run(edges);
-}
+PairedEdges pair_edges(WorkingMesh& mesh, const EdgeGroups& edges) { return Pairing(mesh).run(edges); }
 
 }  // namespace nmc::conditioning

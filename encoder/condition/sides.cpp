@@ -94,9 +94,10 @@ void Sides::join(std::uint32_t a, std::uint32_t b, bool turn_one) {
   area_[place_a.root] += area_[place_b.root];
 }
 
-void open_contradictory_pairs(WorkingMesh& mesh, std::vector<std::uint32_t>& pairs) {
+CutEdges open_contradictory_pairs(WorkingMesh& mesh, std::vector<std::uint32_t>& pairs) {
   const std::vector<std::uint32_t> stored = stored_seam(mesh, pairs);
-  if (stored.empty()) return;
+  CutEdges cut;
+  if (stored.empty()) return cut;
   DisjointSets pieces(mesh.triangles.size());
   for (std::uint32_t h = 0; h < pairs.size(); ++h)
     if (pairs[h] != kNone && h < pairs[h]) pieces.unite(h / 3, pairs[h] / 3);
@@ -112,14 +113,16 @@ void open_contradictory_pairs(WorkingMesh& mesh, std::vector<std::uint32_t>& pai
       seam.push_back(by_piece[j].second);
     const std::vector<std::uint32_t> walked = walked_seam(mesh, pairs, by_piece[i].first, side);
     if (walked.size() < seam.size()) seam = walked;
-    if (mesh.report.cut_edges == 0)
-      mesh.note(fmt::format("the surface cannot be oriented; opened at the edge between vertices {} and {}",
-                            tail_of(mesh.stored, seam[0]), head_of(mesh.stored, seam[0])));
-    mesh.report.cut_edges += seam.size();
-    ++mesh.report.non_orientable_components;
+    mesh.note(Defect::kNotOrientable, [&] {
+      return fmt::format("the surface cannot be oriented; opened at the edge between vertices {} and {}",
+                         tail_of(mesh.stored, seam[0]), head_of(mesh.stored, seam[0]));
+    });
+    cut.edges += seam.size();
+    ++cut.pieces;
     for (const std::uint32_t h : seam) pairs[h] = pairs[pairs[h]] = kNone;
     i = j;
   }
+  return cut;
 }
 
 void turn_triangles(WorkingMesh& mesh, std::vector<std::uint32_t>& pairs,

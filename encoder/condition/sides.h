@@ -34,12 +34,16 @@ class Sides {
   std::vector<double> area_;               // at the root of each piece
 };
 
-/// Opens pairs until the rest can be oriented, and counts and notes them as cut edges. Two choices are
+struct CutEdges {
+  std::size_t edges = 0, pieces = 0;  // pieces that cannot be oriented
+};
+
+/// Opens pairs until the rest can be oriented. Two choices are
 /// compared per piece and the one that opens fewer edges wins: the seam that the file's own orientations
 /// leave (pairs that agree as stored are never opened), or where a breadth-first walk from the lowest
 /// triangle meets itself on the wrong side. Opening what an earlier run opened leaves exactly that seam, so a
 /// second run opens the same edges. O(n).
-void open_contradictory_pairs(WorkingMesh& mesh, std::vector<std::uint32_t>& pairs);
+CutEdges open_contradictory_pairs(WorkingMesh& mesh, std::vector<std::uint32_t>& pairs);
 
 /// Reverses the triangles with turn[t] != 0 in place: corners, stored corners and pairs. O(n).
 void turn_triangles(WorkingMesh& mesh, std::vector<std::uint32_t>& pairs,

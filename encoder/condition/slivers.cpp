@@ -27,19 +27,24 @@ class SliverRemoval {
                 const std::vector<std::uint8_t>& is_seam)
       : mesh_(mesh), opposite_(opposite), is_seam_(is_seam), removed_(mesh.triangles.size(), 0) {}
 
-  void run() {
+  std::size_t run() {
     std::vector<std::uint32_t> slivers = find();
-    if (slivers.empty()) return;
-    mesh_.note(fmt::format("triangle {} has no area", mesh_.source[slivers[0]]));
+    mesh_.report.slivers_left = 0;
+    if (slivers.empty()) return 0;
+    mesh_.note(Defect::kSliver,
+               [&] { return fmt::format("triangle {} has no area", mesh_.source[slivers[0]]); });
+    std::size_t all_treated = 0;
     for (int round = 0; round < kMaximumRounds && !slivers.empty(); ++round) {
       std::size_t treated = 0;
       for (const std::uint32_t t : slivers)
         if (!removed_[t] && is_sliver(t)) treated += treat(t);
+      all_treated += treated;
       if (treated == 0) break;
       slivers = find();
     }
     mesh_.report.slivers_left = slivers.size();
     compact();
+    return all_treated;
   }
 
  private:
@@ -254,9 +259,9 @@ class SliverRemoval {
 
 }  // namespace
 
-void remove_slivers(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite,
-                    const std::vector<std::uint8_t>& is_seam) {
-  SliverRemoval(mesh, opposite, is_seam).run();
+std::size_t remove_slivers(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite,
+                           const std::vector<std::uint8_t>& is_seam) {
+  return SliverRemoval(mesh, opposite, is_seam).run();
 }
 
 }  // namespace nmc::conditioning

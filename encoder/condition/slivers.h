@@ -19,8 +19,9 @@ namespace nmc::conditioning {
 /// boundary. What cannot be done without a topological change or a turned neighbour is left and counted.
 /// `mesh` and `opposite` must be an oriented manifold and remain one. O(n) when there is none, O(n + slivers
 /// * valence) otherwise.
-void remove_slivers(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite,
-                    const std::vector<std::uint8_t>& is_seam);
+/// Returns the number of slivers treated.
+std::size_t remove_slivers(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite,
+                           const std::vector<std::uint8_t>& is_seam);
 
 }  // namespace nmc::conditioning
 

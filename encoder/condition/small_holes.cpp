@@ -191,9 +191,11 @@ void fill_small_holes(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite,
       double area = 0;
       const std::vector<Triangle> fill = PolygonTriangulation(mesh, opposite, loop).solve(area);
       if (fill.empty() || area > options.small_hole_area_fraction * piece.area) continue;
-      if (mesh.report.filled_holes++ == 0)
-        mesh.note(
-            fmt::format("filled a hole of {} edges at vertex {}", loop.size(), tail_of(mesh.stored, start)));
+      ++mesh.report.filled_holes;
+      mesh.note(Defect::kSmallHole, [&] {
+        return fmt::format("filled a hole of {} edges at vertex {}", loop.size(),
+                           tail_of(mesh.stored, start));
+      });
       mesh.report.filled_hole_triangles += fill.size();
       mesh.report.filled_hole_area += area;
       connect(mesh, opposite, fill, loop);

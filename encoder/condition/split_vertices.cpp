@@ -84,8 +84,9 @@ class DoubledEdges {
 
 }  // namespace
 
-SplitVertices split_vertices(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite) {
-  if (mesh.report.non_manifold_edges > 0 || mesh.report.cut_edges > 0) DoubledEdges(opposite).separate();
+SplitVertices split_vertices(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite,
+                             bool has_crowded_edges) {
+  if (has_crowded_edges) DoubledEdges(opposite).separate();
   const std::vector<Triangle> umbrellas = umbrella_corners(opposite);
   const std::size_t input_vertex_count = mesh.positions.size();
 
@@ -102,17 +103,13 @@ SplitVertices split_vertices(WorkingMesh& mesh, std::vector<std::uint32_t>& oppo
   SplitVertices split;
   split.source.resize(input_vertex_count);
   std::iota(split.source.begin(), split.source.end(), 0u);
-  std::vector<std::uint8_t> met(input_vertex_count, 0);  // welded vertices whose splitting was counted
   for (std::uint32_t h = 0; h < opposite.size(); ++h) {
     if (umbrellas[h / 3][h % 3] != h || umbrella_vertex[h] != kNone) continue;
     const std::uint32_t stored = mesh.stored[h / 3][h % 3];
     umbrella_vertex[h] = static_cast<std::uint32_t>(mesh.positions.size());
     mesh.positions.push_back(mesh.positions[stored]);
     split.source.push_back(stored);
-    if (mesh.report.split_vertices++ == 0) mesh.note(fmt::format("vertex {} joins several sheets", stored));
-    const std::uint32_t welded = tail_of(mesh.triangles, h);
-    mesh.report.non_manifold_vertices += !met[welded];
-    met[welded] = 1;
+    mesh.note(Defect::kManySheets, [&] { return fmt::format("vertex {} joins several sheets", stored); });
   }
   split.welded.assign(mesh.positions.size(), kNone);
   std::vector<std::uint32_t> copies(input_vertex_count, 0);

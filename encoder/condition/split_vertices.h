@@ -25,8 +25,8 @@ struct SplitVertices {
 /// them. An umbrella takes the first stored vertex of its corners that no earlier umbrella took, so what the
 /// file kept apart stays apart under its own numbers; the others get copies appended to `mesh.positions`.
 /// Where one umbrella would cross the same edge twice, which no indexed mesh can express, the pairs of that
-/// edge are exchanged. Triangles must be oriented. O(n).
-SplitVertices split_vertices(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite);
+/// edge are exchanged; that can happen only with `has_crowded_edges`. Triangles must be oriented. O(n).
+SplitVertices split_vertices(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite, bool has_crowded_edges);
 
 }  // namespace nmc::conditioning
 

@@ -216,9 +216,10 @@ std::size_t close_t_junctions(WorkingMesh& mesh, const EdgeGroups& edges, double
                       splits.begin() + static_cast<std::ptrdiff_t>(end_of_edge(i)));
   }
   if (accepted.empty()) return 0;
-  if (mesh.report.t_junctions_closed == 0)
-    mesh.note(fmt::format("vertex {} lies inside an edge of triangle {}", accepted[0].vertex,
-                          mesh.source[open_edges[accepted[0].open_edge] / 3]));
+  mesh.note(Defect::kTJunction, [&] {
+    return fmt::format("vertex {} lies inside an edge of triangle {}", accepted[0].vertex,
+                       mesh.source[open_edges[accepted[0].open_edge] / 3]);
+  });
 
   std::vector<std::pair<Triangle, Triangle>> pieces;
   for (std::size_t i = 0; i < accepted.size();) {

@@ -12,6 +12,24 @@
 
 namespace nmc::conditioning {
 
+/// Kinds of defects of which a report names the first case.
+enum class Defect {
+  kNonFinite,
+  kOutOfRange,
+  kDegenerate,
+  kDuplicate,
+  kOppositeDuplicate,
+  kNearbyVertices,
+  kTJunction,
+  kCrowdedEdge,
+  kMisoriented,
+  kNotOrientable,
+  kManySheets,
+  kSliver,
+  kSmallHole,
+  kInsideOut,
+};
+
 struct WorkingMesh {
   /// One per input vertex, then one per copy made by split_vertices(). Relative to the centre of the bounding
   /// box, so that a millimetre at 1e7 units from the origin keeps its bits in products and differences.
@@ -53,8 +71,16 @@ struct WorkingMesh {
     return cross(positions[triangles[t][1]] - a, positions[triangles[t][2]] - a);
   }
 
-  /// Remembers where the first defect of a kind is.
-  void note(std::string sentence) { report.first_cases.push_back(std::move(sentence)); }
+  /// Remembers the sentence for the first defect of its kind; `sentence` is a function, called only for that
+  /// one.
+  template <class Sentence>
+  void note(Defect defect, const Sentence& sentence) {
+    const std::uint32_t bit = 1u << static_cast<int>(defect);
+    if (noted_defects & bit) return;
+    noted_defects |= bit;
+    report.first_cases.push_back(sentence());
+  }
+  std::uint32_t noted_defects = 0;
 };
 
 }  // namespace nmc::conditioning
