@@ -37,6 +37,7 @@ void ContextRateModel::build_dependents() {
   const std::size_t vertex_count = hierarchy_.level(level_count_).vertex_count;
   level_of_.assign(vertex_count, 0);
   normalization_.assign(vertex_count, kWithoutNear);
+  fixed_energy_.assign(vertex_count, 0);
   struct Link {
     std::uint32_t from, to;
     std::int32_t weight;
@@ -55,13 +56,18 @@ void ContextRateModel::build_dependents() {
         if (face == kNone) continue;
         for (int k = 0; k < 3; ++k) {
           const std::uint32_t f = t.face_edges[3 * face + k];
-          if (f < e) near[near_count++] = f;
+          if (f != e && (f < e || previous_)) near[near_count++] = f;
         }
         const std::uint32_t opposite = t.opposite_vertex(e, face);
         if (opposite >= t.base_vertex_count) links.push_back({opposite, to, kOpposite});
       }
-      for (int i = 0; i < near_count; ++i)
-        links.push_back({t.vertex_count + near[i], to, kNearTotal / near_count});
+      for (int i = 0; i < near_count; ++i) {
+        const std::int32_t weight = kNearTotal / near_count;
+        if (near[i] < e)
+          links.push_back({t.vertex_count + near[i], to, weight});
+        else
+          fixed_energy_[to] += contribution((*previous_)[t.vertex_count + near[i]], weight);
+      }
       for (int i = 0; i < 2; ++i) {
         const std::uint32_t parent = t.edge_vertices[2 * e + i];
         if (parent >= t.base_vertex_count) links.push_back({parent, to, kParent});
@@ -102,7 +108,7 @@ float ContextRateModel::cost_in(int context, std::size_t vertex, std::int32_t va
 
 void ContextRateModel::learn(const CoefficientField& field) {
   values_ = field.values;
-  energy_.assign(values_.size(), 0);
+  energy_ = fixed_energy_;
   for (std::size_t v = 0; v < values_.size(); ++v) {
     if (values_[v] == 0) continue;
     for (std::size_t i = dependent_begin_[v]; i < dependent_begin_[v + 1]; ++i)
@@ -160,6 +166,10 @@ void ContextRateModel::costs(int level, std::size_t edge, const std::int32_t* ca
       bits[i] += cost_in(at, dependent.vertex, values_[dependent.vertex]);
     }
   }
+}
+
+std::int32_t ContextRateModel::resting_value(int level, std::size_t edge) const {
+  return previous_ ? (*previous_)[hierarchy_.level(level).vertex_count + edge] : 0;
 }
 
 void ContextRateModel::set(int level, std::size_t edge, std::int32_t value) {

@@ -27,6 +27,7 @@ class ContextRateModel final : public RateModel {
   void learn(const CoefficientField& field) override;
   void costs(int level, std::size_t edge, const std::int32_t* candidates, int count,
              double* bits) const override;
+  std::int32_t resting_value(int level, std::size_t edge) const override;
   void set(int level, std::size_t edge, std::int32_t value) override;
   double total_bits() const override;
 
@@ -51,9 +52,11 @@ class ContextRateModel final : public RateModel {
   const SubdivisionHierarchy& hierarchy_;
   int level_count_;
   const std::vector<std::int32_t>* previous_;
-  std::vector<std::int32_t> values_;          // per vertex
-  std::vector<std::int64_t> energy_;          // per vertex: weighted sum of magnitudes around
-  std::vector<std::uint8_t> level_of_;        // per vertex: 1 + level of its edge, 0 for base vertices
+  std::vector<std::int32_t> values_;  // per vertex
+  std::vector<std::int64_t>
+      fixed_energy_;                    // per vertex: what the previous layer tells of edges not yet coded
+  std::vector<std::int64_t> energy_;    // per vertex: weighted sum of magnitudes around
+  std::vector<std::uint8_t> level_of_;  // per vertex: 1 + level of its edge, 0 for base vertices
   std::vector<std::size_t> dependent_begin_;  // per vertex
   std::vector<Dependent> dependents_;
   std::vector<std::int32_t> normalization_;  // per vertex: divides energy_ to sixteenths

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "encoder/core/parallel.h"
 
@@ -27,8 +28,9 @@ std::size_t descend_level(FitSystem& system, int level, double step, const std::
       if (!(h > 0)) continue;
       const std::int32_t q = field.values[vertex_count + e];
       const double g = gradient[e];
-      // Waking a zero costs at least two bits; leaving its optimum gains nothing in D.
-      if (q == 0 && g * g < 4 * options.lambda * h) continue;
+      const std::int32_t rest = rates.resting_value(level, e);
+      // Leaving the resting value costs at least two bits, and gains at most what its optimum gains.
+      if (q == rest && g * g < 4 * options.lambda * h) continue;
       const double optimum = q - g / (h * step);
       std::int32_t candidates[5] = {q};
       int count = 1;
@@ -40,8 +42,8 @@ std::size_t descend_level(FitSystem& system, int level, double step, const std::
       const double clamped = std::clamp(optimum, -6e7, 6e7);
       consider(static_cast<std::int32_t>(std::floor(clamped)));
       consider(static_cast<std::int32_t>(std::ceil(clamped)));
-      if (q != 0) consider(q > 0 ? q - 1 : q + 1);
-      consider(0);
+      if (q != rest) consider(q > rest ? q - 1 : q + 1);
+      consider(rest);
       double bits[5];
       rates.costs(level, e, candidates, count, bits);
       int best = 0;
@@ -73,26 +75,51 @@ std::size_t descend_level(FitSystem& system, int level, double step, const std::
   return changes;
 }
 
-std::size_t descend_base(FitSystem& system, double step, const std::vector<double>& dual, int maximum_sweeps,
+std::size_t descend_base(FitSystem& system, double step, const std::vector<double>& dual,
+                         const DescentOptions& options,
+                         const std::vector<std::array<std::int32_t, 3>>* previous,
                          std::vector<std::array<std::int32_t, 3>>& coordinates) {
   const GalerkinMatrix& matrix = system.galerkin().matrix(0);
   std::vector<Vec3> gradient(coordinates.size());
   for (std::size_t v = 0; v < coordinates.size(); ++v)
     gradient[v] = {dual[3 * v], dual[3 * v + 1], dual[3 * v + 2]};
+  const auto correction_bits = [](std::int32_t correction) {
+    return correction == 0 ? 1.0 : 2.5 + 1.5 * std::log2(static_cast<double>(std::abs(correction)));
+  };
   std::size_t changes = 0;
-  for (int sweep = 0; sweep < maximum_sweeps; ++sweep) {
+  for (int sweep = 0; sweep < options.maximum_sweeps; ++sweep) {
     std::size_t sweep_changes = 0;
     for (std::size_t v = 0; v < coordinates.size(); ++v) {
       for (int k = 0; k < 3; ++k) {
+        const auto axis = static_cast<std::size_t>(k);
         const SymmetricMatrix3& own = matrix.block[matrix.row_begin[v]];
-        const double h = k == 0 ? own.xx : k == 1 ? own.yy : own.zz;
+        const double h = k == 0 ? own.xx : k == 1 ? own.yy : own.zz, g = gradient[v][k];
         if (!(h > 0)) continue;
-        const double move = std::round(-gradient[v][k] / (h * step));
-        if (move == 0 || std::abs(move) > 1e6) continue;
+        const double optimum = -g / (h * step);
+        if (!(std::abs(optimum) < 1e6)) continue;
+        const std::int32_t present = coordinates[v][axis];
+        std::int32_t best = present;
+        if (!previous) {
+          best += static_cast<std::int32_t>(std::lround(optimum));
+        } else {
+          const std::int32_t rest = (*previous)[v][axis];
+          double best_cost = options.lambda * correction_bits(present - rest);
+          const auto down = present + static_cast<std::int32_t>(std::floor(optimum));
+          for (const std::int32_t candidate : {down, down + 1, rest}) {
+            const double change = step * (candidate - present);
+            const double cost =
+                g * change + 0.5 * h * change * change + options.lambda * correction_bits(candidate - rest);
+            if (cost < best_cost) {
+              best_cost = cost;
+              best = candidate;
+            }
+          }
+        }
+        if (best == present) continue;
         ++sweep_changes;
-        coordinates[v][static_cast<std::size_t>(k)] += static_cast<std::int32_t>(move);
+        coordinates[v][axis] = best;
         Vec3 displacement;
-        displacement[k] = move * step;
+        displacement[k] = step * (best - present);
         for (std::size_t i = matrix.row_begin[v]; i < matrix.row_begin[v + 1]; ++i)
           gradient[matrix.column[i]] += matrix.block[i] * displacement;
       }

@@ -34,9 +34,12 @@ struct DescentOptions {
 std::size_t descend_level(FitSystem& system, int level, double step, const std::vector<double>& dual,
                           const DescentOptions& options, RateModel& rates, CoefficientField& field);
 
-/// The same for the integers of the base vertices. `bits_per_doubling` models their rate: a coordinate that
-/// grows away from its prediction is not charged, so this only finds the best grid points.
-std::size_t descend_base(FitSystem& system, double step, const std::vector<double>& dual, int maximum_sweeps,
+/// The same for the coordinates of the base vertices. Their bits depend little on a step more or less, so the
+/// first layer takes the best grid points; with `previous` (the coordinates of the previous layer on the
+/// present grid) corrections are charged.
+std::size_t descend_base(FitSystem& system, double step, const std::vector<double>& dual,
+                         const DescentOptions& options,
+                         const std::vector<std::array<std::int32_t, 3>>* previous,
                          std::vector<std::array<std::int32_t, 3>>& coordinates);
 
 }  // namespace nmc

@@ -74,10 +74,15 @@ GlobalFitResult global_fit(const GlobalFitOptions& options, const InputSurface* 
   const LevelTopology& finest = mesh.hierarchy.level(mesh.level_count());
   GlobalFitResult result;
   std::vector<Vec3> positions;
+  const std::size_t sample_count = samples.size();
   const int rounds = input ? options.reprojection_count + 1 : 1;
   for (int round = 0; round < rounds; ++round) {
     system.synthesis().positions_of(values, positions);
     if (round > 0) reproject_samples(*input, finest, positions, options.reprojection, samples);
+    if (round > 0 && round + 1 == rounds && options.reach_multiple > 0) {
+      append_input_samples(*input, finest, positions, sample_count / 8, system.energy().total_weight(),
+                           options.reach_multiple * result.final_rms, samples);
+    }
     system.set_samples(samples, positions, options.energy);
     const MinimizeResult r = system.minimize(active, options.minimize, values);
     if (round == 0) result.initial_rms = system.energy().root_mean_square(r.initial_energy);
@@ -85,6 +90,7 @@ GlobalFitResult global_fit(const GlobalFitOptions& options, const InputSurface* 
     result.outer += r.outer;
     result.inner += r.inner;
   }
+  samples.resize(sample_count);
   store_values(values, system.layout(), mesh);
   return result;
 }

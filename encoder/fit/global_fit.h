@@ -30,6 +30,9 @@ struct GlobalFitOptions {
   /// Times the samples take the closest point of the fitted surface as their new target. Needs an input
   /// surface.
   int reprojection_count = 1;
+  /// Points of the input farther than this many RMS distances from the fitted surface pull on it (with the
+  /// last re-projection); 0: none do.
+  double reach_multiple = 2;
   /// Coefficients exist below this level; -1: on all levels but the last. Deeper levels of the hierarchy are
   /// smoothing levels: predicted only, but the samples live on the last one.
   int coded_level_count = -1;

@@ -23,11 +23,23 @@ struct MeshQuantizer::State {
     std::vector<Vec3> positions;
     system.synthesis().positions_of(fitted_values, positions);
     system.set_samples(samples, positions, energy_options);
+    total_weight = system.energy().total_weight();
     system.galerkin();
   }
 
+  /// Back to the correspondences of the fit.
+  void restart() {
+    if (at_start) return;
+    std::vector<Vec3> positions;
+    system.synthesis().positions_of(fitted_values, positions);
+    system.set_samples(samples, positions, energy_options);
+    at_start = true;
+  }
+
   const NormalMesh& mesh;
-  std::vector<SurfaceSample> samples;
+  const std::vector<SurfaceSample> samples;
+  bool at_start = true;
+  double total_weight = 0;  // of the samples of the fit
   const InputSurface* input;
   QuadraticEnergyOptions energy_options;
   FitSystem system;
@@ -49,15 +61,21 @@ namespace {
 class Quantization {
  public:
   Quantization(const QuantizeOptions& options, const SubdivisionHierarchy& hierarchy, FitSystem& system,
-               std::vector<double> values, std::vector<std::uint8_t> active)
+               std::vector<double> values, std::vector<std::uint8_t> active, const QuantizedMesh* previous,
+               int ratio)
       : options_(options),
         hierarchy_(hierarchy),
         system_(system),
         layout_(system.layout()),
         values_(std::move(values)),
         active_(std::move(active)),
+        previous_values_(scaled_values(hierarchy, previous, ratio)),
+        previous_coordinates_(scaled_coordinates(previous, ratio)),
         field_(hierarchy, layout_.coded_level_count),
-        rates_(hierarchy, layout_.coded_level_count) {
+        rates_(hierarchy, layout_.coded_level_count, previous ? &previous_values_ : nullptr) {
+    // What may never move (along a boundary) is not coded either.
+    for (std::size_t i = layout_.tangential_begin.front(); i < layout_.count; ++i)
+      if (!active_[i]) values_[i] = 0;
     const int finest = layout_.coded_level_count - 1;
     double curvature = 0;
     const LevelTopology& topology = hierarchy.level(finest);
@@ -83,13 +101,27 @@ class Quantization {
       const double limit = threshold * step(l);
       const std::size_t begin = layout_.normal_begin[level];
       for (std::size_t i = begin; i < layout_.normal_begin[level + 1]; ++i) {
-        if (!active_[i] || std::abs(values_[i]) >= limit) continue;
+        const std::size_t vertex = hierarchy_.level(l).vertex_count + (i - begin);
+        if (!active_[i] || std::abs(values_[i]) >= limit || was_nonzero(vertex)) continue;
         values_[i] = 0;
         active_[i] = 0;
       }
       const double tangential_limit = threshold * tangential_step(l);
-      for (std::size_t i = layout_.tangential_begin[level]; i < layout_.tangential_begin[level + 1]; i += 2) {
-        if (std::hypot(values_[i], values_[i + 1]) >= tangential_limit) continue;
+      const LevelTopology& topology = hierarchy_.level(l);
+      for (std::size_t k = 0; k < layout_.tangential_edges[level].size(); ++k) {
+        const std::size_t i = layout_.tangential_begin[level] + 2 * k;
+        const std::uint32_t edge = layout_.tangential_edges[level][k];
+        bool keep = std::hypot(values_[i], values_[i + 1]) >= tangential_limit;
+        if (keep && !topology.is_curve(edge)) {
+          // The place and the two numbers cost far more than a normal coefficient, and sliding along the
+          // surface gains little.
+          constexpr double kTangentialBits = 26;
+          const Vec3* frame = system_.synthesis().tangential_frame(l, k);
+          const Vec3 displacement = values_[i] * frame[0] + values_[i + 1] * frame[1];
+          const SymmetricMatrix3& block = system_.galerkin().diagonal(l + 1, topology.vertex_count + edge);
+          keep = 0.5 * dot(displacement, block * displacement) > lambda_ * kTangentialBits;
+        }
+        if (keep) continue;
         values_[i] = values_[i + 1] = 0;
         active_[i] = active_[i + 1] = 0;
       }
@@ -146,21 +178,43 @@ class Quantization {
     std::vector<double> dual;
     const auto linearize = [&] {
       system_.synthesis().synthesize(values_, positions);
-      system_.energy().gradient(positions, force);
+      const double value = system_.energy().gradient(positions, force);
       system_.synthesis().adjoint(force, dual);
+      return value;
     };
     rates_.learn(field_);
-    linearize();
-    if (descend_base(system_, base_step(), dual, 3, coordinates_) > 0) store_base();
+    double energy = linearize();
     DescentOptions descent;
     descent.lambda = lambda_;
+    const auto* base = previous_coordinates_.empty() ? nullptr : &previous_coordinates_;
+    // The quadratic that a descent trusts has frozen normals: what does not hold up when decoded is taken
+    // back.
+    const auto old_coordinates = coordinates_;
+    if (descend_base(system_, base_step(), dual, descent, base, coordinates_) > 0) {
+      store_base();
+      const double lower = linearize();
+      if (lower > energy && !base) {
+        coordinates_ = old_coordinates;
+        store_base();
+        linearize();
+      } else {
+        energy = lower;
+      }
+    }
     for (int l = 0; l < layout_.coded_level_count; ++l) {
-      linearize();
-      descend_level(system_, l, step(l), dual, descent, rates_, field_);
-      const std::size_t begin = layout_.normal_begin[static_cast<std::size_t>(l)];
-      const std::size_t vertex_count = hierarchy_.level(l).vertex_count;
-      for (std::size_t e = 0; e < hierarchy_.level(l).edge_count; ++e)
-        values_[begin + e] = field_.values[vertex_count + e] * step(l);
+      const std::vector<std::int32_t> old_values = field_.values;
+      const double old_bits = rates_.total_bits();
+      if (descend_level(system_, l, step(l), dual, descent, rates_, field_) == 0) continue;
+      store_level(l);
+      const double lower = linearize();
+      if (lower + lambda_ * rates_.total_bits() > energy + lambda_ * old_bits) {
+        field_.values = old_values;
+        rates_.learn(field_);
+        store_level(l);
+        linearize();
+      } else {
+        energy = lower;
+      }
     }
   }
 
@@ -200,10 +254,42 @@ class Quantization {
   }
 
  private:
+  void store_level(int l) {
+    const std::size_t begin = layout_.normal_begin[static_cast<std::size_t>(l)];
+    const std::size_t vertex_count = hierarchy_.level(l).vertex_count;
+    const double delta = step(l);
+    for (std::size_t e = 0; e < hierarchy_.level(l).edge_count; ++e)
+      values_[begin + e] = field_.values[vertex_count + e] * delta;
+  }
   void store_base() {
     for (std::size_t v = 0; v < layout_.base_vertex_count; ++v)
       for (std::size_t k = 0; k < 3; ++k)
         values_[3 * v + k] = options_.base_origin[static_cast<int>(k)] + base_step() * coordinates_[v][k];
+  }
+
+  static std::vector<std::int32_t> scaled_values(const SubdivisionHierarchy& hierarchy,
+                                                 const QuantizedMesh* previous, int ratio) {
+    std::vector<std::int32_t> values;
+    if (!previous) return values;
+    values.assign(hierarchy.level(previous->level_count()).vertex_count, 0);
+    for (int l = 0; l < previous->level_count(); ++l) {
+      const std::vector<std::int32_t>& level = previous->normal[static_cast<std::size_t>(l)];
+      for (std::size_t e = 0; e < level.size(); ++e)
+        values[hierarchy.level(l).vertex_count + e] = ratio * level[e];
+    }
+    return values;
+  }
+  static std::vector<std::array<std::int32_t, 3>> scaled_coordinates(const QuantizedMesh* previous,
+                                                                     int ratio) {
+    std::vector<std::array<std::int32_t, 3>> coordinates;
+    if (!previous) return coordinates;
+    coordinates = previous->base_coordinates;
+    for (auto& c : coordinates)
+      for (std::int32_t& k : c) k *= ratio;
+    return coordinates;
+  }
+  bool was_nonzero(std::size_t vertex) const {
+    return !previous_values_.empty() && previous_values_[vertex] != 0;
   }
 
   const QuantizeOptions& options_;
@@ -212,6 +298,9 @@ class Quantization {
   const UnknownLayout& layout_;
   std::vector<double> values_;
   std::vector<std::uint8_t> active_;
+  const std::vector<std::int32_t>
+      previous_values_;  // per vertex, on the present steps; empty in the first layer
+  const std::vector<std::array<std::int32_t, 3>> previous_coordinates_;
   CoefficientField field_;
   ContextRateModel rates_;
   std::vector<std::array<std::int32_t, 3>> coordinates_;
@@ -221,20 +310,43 @@ class Quantization {
 }  // namespace
 
 QuantizedMesh MeshQuantizer::quantize(const QuantizeOptions& options, QuantizeReport* report) {
+  return run(options, nullptr, 1, report);
+}
+
+QuantizedMesh MeshQuantizer::refine(const QuantizedMesh& previous, int ratio, const QuantizeOptions& options,
+                                    QuantizeReport* report) {
+  QuantizeOptions finer = options;
+  finer.normal_step = previous.quantizers.back().normal_step / ratio;
+  finer.base_origin = previous.base_origin;
+  return run(finer, &previous, ratio, report);
+}
+
+QuantizedMesh MeshQuantizer::run(const QuantizeOptions& options, const QuantizedMesh* previous, int ratio,
+                                 QuantizeReport* report) {
   State& state = *state_;
   FitSystem& system = state.system;
   const SubdivisionHierarchy& hierarchy = state.mesh.hierarchy;
   const LevelTopology& finest = hierarchy.level(hierarchy.level_count());
+  state.restart();
   Quantization run(options, hierarchy, system, state.fitted_values,
-                   free_unknowns(state.mesh, system.layout(), true));
+                   free_unknowns(state.mesh, system.layout(), true), previous, ratio);
+  std::vector<SurfaceSample> samples;
   int reprojections = 0;
   const auto reproject = [&] {
     if (!state.input || reprojections >= options.reprojection_count) return;
     ++reprojections;
     std::vector<Vec3> positions;
     system.synthesis().positions_of(run.values(), positions);
-    reproject_samples(*state.input, finest, positions, {}, state.samples);
-    system.set_samples(state.samples, positions, state.energy_options);
+    if (samples.empty()) samples = state.samples;
+    samples.resize(state.samples.size());
+    const double rms = system.energy().root_mean_square(system.energy().value(positions));
+    reproject_samples(*state.input, finest, positions, {}, samples);
+    if (options.reach_multiple > 0) {
+      append_input_samples(*state.input, finest, positions, samples.size() / 8, state.total_weight,
+                           options.reach_multiple * rms, samples);
+    }
+    system.set_samples(samples, positions, state.energy_options);
+    state.at_start = false;
   };
   for (int round = 0; round < options.active_set_rounds; ++round) {
     run.shrink(options.dead_zone * (round == 0 ? 0.8 : 1.0));

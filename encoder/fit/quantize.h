@@ -42,6 +42,8 @@ struct QuantizeOptions {
   int active_set_rounds = 2;
   /// Rounds of coordinate descent over all levels.
   int descent_rounds = 3;
+  /// Points of the input farther than this many RMS distances from the surface pull on it; 0: none do.
+  double reach_multiple = 2;
   /// Correspondences follow the surface this many times (needs an input surface).
   int reprojection_count = 2;
 };
@@ -63,13 +65,21 @@ class MeshQuantizer {
                 const InputSurface* input, const QuadraticEnergyOptions& energy = {});
   ~MeshQuantizer();
 
-  /// Starts from the fit (or, after set_start(), from that state).
+  /// A function of its arguments and of what the object was made from: earlier calls leave no trace.
   QuantizedMesh quantize(const QuantizeOptions& options, QuantizeReport* report = nullptr);
+
+  /// The next quality layer: steps and base grid are those of `previous` over `ratio`, and only the
+  /// difference between the integers and ratio * previous is charged. `options` gives everything but steps
+  /// and origin.
+  QuantizedMesh refine(const QuantizedMesh& previous, int ratio, const QuantizeOptions& options,
+                       QuantizeReport* report = nullptr);
 
   const SubdivisionHierarchy& hierarchy() const;
 
  private:
   struct State;
+  QuantizedMesh run(const QuantizeOptions& options, const QuantizedMesh* previous, int ratio,
+                    QuantizeReport* report);
   std::unique_ptr<State> state_;
 };
 

@@ -42,6 +42,9 @@ class RateModel {
   virtual void costs(int level, std::size_t edge, const std::int32_t* candidates, int count,
                      double* bits) const = 0;
 
+  /// The value that costs least: zero, or what the previous layer says.
+  virtual std::int32_t resting_value(int level, std::size_t edge) const = 0;
+
   /// The present state changes: `value` replaces the coefficient.
   virtual void set(int level, std::size_t edge, std::int32_t value) = 0;
 

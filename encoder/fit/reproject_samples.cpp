@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "encoder/core/parallel.h"
+#include "encoder/measure/area_samples.h"
 
 namespace nmc {
 
@@ -42,6 +43,33 @@ ReprojectionResult reproject_samples(const InputSurface& input, const LevelTopol
     return Tally{1, 0, move};
   });
   return {tally.moved, tally.kept, tally.moved ? tally.distance / static_cast<double>(tally.moved) : 0};
+}
+
+std::size_t append_input_samples(const InputSurface& input, const LevelTopology& finest,
+                                 const std::vector<Vec3>& positions, std::size_t count, double total_weight,
+                                 double minimum_distance, std::vector<SurfaceSample>& samples) {
+  std::vector<Triangle> triangles(finest.face_count);
+  for (std::size_t f = 0; f < triangles.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) triangles[f][k] = finest.face_vertices[3 * f + k];
+  const SurfaceIndex surface(positions, triangles);
+  const AreaSamples points(input.index.positions(), input.index.triangles(), count);
+  std::vector<SurfaceSample> found(points.size());
+  const double weight = points.size() ? total_weight / static_cast<double>(points.size()) : 0;
+  parallel_for(points.size(), [&](std::size_t i) {
+    const Vec3 point = points[i].position;
+    const SurfacePoint hit = surface.closest_point(point);
+    found[i].weight = 0;
+    if (!hit.found() || hit.t <= minimum_distance) return;
+    found[i].face = hit.triangle;
+    for (int k = 0; k < 3; ++k) found[i].barycentric[k] = static_cast<float>(hit.barycentric[k]);
+    found[i].target = point;
+    found[i].normal = normalized(point - hit.position);
+    found[i].weight = static_cast<float>(weight);
+  });
+  const std::size_t before = samples.size();
+  for (const SurfaceSample& sample : found)
+    if (sample.weight > 0) samples.push_back(sample);
+  return samples.size() - before;
 }
 
 std::vector<SurfaceSample> samples_on_next_level(const std::vector<SurfaceSample>& samples) {

@@ -40,6 +40,15 @@ ReprojectionResult reproject_samples(const InputSurface& input, const LevelTopol
                                      const std::vector<Vec3>& positions, const ReprojectionOptions& options,
                                      std::vector<SurfaceSample>& samples);
 
+/// What samples on the moving surface cannot see: points of the input that it does not reach, like the tip of
+/// an ear cut short. Takes `count` area-uniform points of the input and appends to `samples` one sample for
+/// each of them that lies farther than `minimum_distance` from the surface, at its closest point there, along
+/// the line that joins them; all of them together would weigh `total_weight`. Returns the number appended.
+/// O((faces + count) log faces).
+std::size_t append_input_samples(const InputSurface& input, const LevelTopology& finest,
+                                 const std::vector<Vec3>& positions, std::size_t count, double total_weight,
+                                 double minimum_distance, std::vector<SurfaceSample>& samples);
+
 /// Samples on the faces of a level as samples on the faces of the next finer one: same parameter, so with the
 /// finest level one deeper than the coded ones the fit is made for what a smoothing decoder shows.
 std::vector<SurfaceSample> samples_on_next_level(const std::vector<SurfaceSample>& samples);
