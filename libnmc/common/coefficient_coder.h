@@ -24,6 +24,10 @@ namespace nmc {
 /// Largest magnitude of a coefficient (spec 8).
 inline constexpr std::int32_t kMaximumMagnitude = (1 << 26) - 1;
 
+namespace coefficient_internal {
+struct Surroundings;
+}
+
 /// Limits of the adaptive states.
 inline constexpr std::uint32_t kSignificanceCountLimit = 250;
 inline constexpr std::uint32_t kMagnitudeCountLimit = 120;
@@ -87,8 +91,11 @@ class CoefficientModel {
   template <class Coder>
   void code_open_block(Coder& coder, const LevelView& view, Kind kind, std::uint32_t first_edge,
                        int edge_count, std::int32_t* values);
+  static coefficient_internal::Surroundings look_around(const LevelView& view, std::uint32_t edge,
+                                                        const std::int32_t* values);
   template <class Coder>
-  std::int32_t code_normal(Coder& coder, const LevelView& view, Kind kind, bool is_known_nonzero,
+  std::int32_t code_normal(Coder& coder, const LevelView& view,
+                           const coefficient_internal::Surroundings& around, Kind kind, bool is_known_nonzero,
                            std::uint32_t edge, const std::int32_t* values);
   template <class Coder>
   std::int32_t code_signed(Coder& coder, NumberModel& magnitude, AdaptiveBit& sign, std::int32_t value);

@@ -13,12 +13,80 @@ inline std::int32_t magnitude_of(std::int32_t v) { return v < 0 ? -v : v; }
 inline int sign_of(std::int32_t v) { return (v > 0) - (v < 0); }
 
 /// Classes of a mean magnitude given in 1/16 (spec table B.2).
-inline int energy_class(std::int64_t sixteenths) {
-  constexpr std::int64_t kBounds[10] = {1, 3, 6, 11, 18, 26, 40, 64, 128, 256};
-  int k = 0;
-  while (k < 10 && sixteenths >= kBounds[k]) ++k;
-  return k;
+struct EnergyClasses {
+  std::uint8_t of[257];
+};
+inline constexpr EnergyClasses kEnergyClasses = [] {
+  constexpr int kBounds[10] = {1, 3, 6, 11, 18, 26, 40, 64, 128, 256};
+  EnergyClasses classes{};
+  for (int x = 0; x <= 256; ++x) {
+    int k = 0;
+    while (k < 10 && x >= kBounds[k]) ++k;
+    classes.of[x] = static_cast<std::uint8_t>(k);
+  }
+  return classes;
+}();
+inline int energy_class(std::int32_t sixteenths) {
+  return kEnergyClasses.of[sixteenths > 256 ? 256 : sixteenths];
 }
+
+/// x / n, rounded down, for x below 2^28 and n in 1 ... 8: x (ceil(2^32 / n) - 2^32 / n) stays below 2^32 /
+/// n.
+inline std::int32_t quotient(std::int32_t x, int n) {
+  constexpr std::uint64_t kReciprocals[9] = {0,         4294967296, 2147483648, 1431655766, 1073741824,
+                                             858993460, 715827883,  613566757,  536870912};
+  return static_cast<std::int32_t>((static_cast<std::uint64_t>(x) * kReciprocals[n]) >> 32);
+}
+
+/// A magnitude as contexts see it: sums of a few of them then fit 32 bits with ease.
+inline std::int32_t context_magnitude(std::int32_t v) {
+  const std::int32_t m = magnitude_of(v);
+  return m < 1023 ? m : 1023;
+}
+
+/// What is known around one edge when it is coded (spec 5.3.1): the four near edges, which share a face with
+/// it, the two further edges beyond each of them, the vertices at its ends and those opposite.
+struct Surroundings {
+  std::int32_t near_sum = 0, far_sum = 0, opposite_sum = 0, parent_sum = 0;
+  int near_count = 0, far_count = 0;
+  int near_signs = 0, near_signed = 0, opposite_signs = 0, parent_signs = 0, largest = 0;
+  int near_classes[4] = {5, 5, 5, 5};  // 0 ... 3: magnitude, 4: not yet known, 5: beyond a boundary
+  int slot = 0;
+
+  void add_near(std::int32_t v) {
+    const std::int32_t m = context_magnitude(v);
+    near_sum += m;
+    ++near_count;
+    near_signs += sign_of(v);
+    near_signed += v > 3 ? 3 : v < -3 ? -3 : v;
+    if (m > largest) largest = m;
+    near_classes[slot++] = m > 3 ? 3 : m;
+  }
+  void add_unknown_near() { near_classes[slot++] = 4; }
+  void add_boundary() { slot += 2; }
+  void add_far(std::int32_t v) {
+    far_sum += context_magnitude(v);
+    ++far_count;
+  }
+  void add_opposite(std::int32_t v) {
+    opposite_sum += context_magnitude(v);
+    opposite_signs += sign_of(v);
+  }
+  void add_parent(std::int32_t v) {
+    parent_sum += context_magnitude(v);
+    parent_signs += sign_of(v);
+  }
+  /// The classes of the near edges whatever their order: as digits of base 6 in increasing order.
+  int neighbour_index() const {
+    const auto low = [](int x, int y) { return x < y ? x : y; };
+    const auto high = [](int x, int y) { return x < y ? y : x; };
+    const int* c = near_classes;
+    const int l01 = low(c[0], c[1]), h01 = high(c[0], c[1]), l23 = low(c[2], c[3]), h23 = high(c[2], c[3]);
+    const int middle_a = high(l01, l23), middle_b = low(h01, h23);
+    return low(l01, l23) +
+           6 * (low(middle_a, middle_b) + 6 * (high(middle_a, middle_b) + 6 * high(h01, h23)));
+  }
+};
 
 template <class Coder>
 int code_adaptive(Coder& coder, AdaptiveBit& state, int bit, std::uint32_t count_limit) {
@@ -64,82 +132,64 @@ std::int32_t CoefficientModel::code_signed(Coder& coder, NumberModel& magnitude,
   return negative ? -static_cast<std::int32_t>(m) : static_cast<std::int32_t>(m);
 }
 
+inline coefficient_internal::Surroundings CoefficientModel::look_around(const LevelView& view,
+                                                                        std::uint32_t edge,
+                                                                        const std::int32_t* values) {
+  using namespace coefficient_internal;
+  const LevelTopology& topology = view.topology;
+  Surroundings around;
+  // What is known of another edge of this level: its value if it comes earlier, else that of the previous
+  // layer.
+  const auto is_known = [&](std::uint32_t e) { return e < edge || view.previous != nullptr; };
+  const auto known = [&](std::uint32_t e) { return e < edge ? values[e] : view.previous[e]; };
+  for (int side = 0; side < 2; ++side) {
+    const std::uint32_t face = topology.edge_faces[2 * edge + side];
+    if (face == kNone) {
+      around.add_boundary();
+      continue;
+    }
+    around.add_opposite(view.vertex_values[topology.opposite_vertex(edge, face)]);
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t near = topology.face_edges[3 * face + k];
+      if (near == edge) continue;
+      if (is_known(near)) {
+        around.add_near(known(near));
+      } else {
+        around.add_unknown_near();
+      }
+      const std::uint32_t beyond = topology.face_across(near, face);
+      if (beyond == kNone) continue;
+      for (int j = 0; j < 3; ++j) {
+        const std::uint32_t far = topology.face_edges[3 * beyond + j];
+        if (far != near && is_known(far)) around.add_far(known(far));
+      }
+    }
+  }
+  around.add_parent(view.vertex_values[topology.edge_vertices[2 * edge]]);
+  around.add_parent(view.vertex_values[topology.edge_vertices[2 * edge + 1]]);
+  return around;
+}
+
 template <class Coder>
-std::int32_t CoefficientModel::code_normal(Coder& coder, const LevelView& view, Kind kind,
+std::int32_t CoefficientModel::code_normal(Coder& coder, const LevelView& view,
+                                           const coefficient_internal::Surroundings& around, Kind kind,
                                            bool is_known_nonzero, std::uint32_t edge,
                                            const std::int32_t* values) {
   using namespace coefficient_internal;
   const int level_class = view.level_class;
-  const LevelTopology& topology = view.topology;
-  const std::int32_t* const vertex_values = view.vertex_values;
-  const std::int32_t* const previous = view.previous;
-  // What is known of another edge of this level: its value if it comes earlier, else that of the previous
-  // layer.
-  const auto known = [&](std::uint32_t e) { return e < edge ? values[e] : previous[e]; };
-  const bool all_known = previous != nullptr;
-  const std::uint32_t a = topology.edge_vertices[2 * edge], b = topology.edge_vertices[2 * edge + 1];
-
-  // The four edges that share a face with this one, and beyond each of them two more.
-  std::int64_t near_sum = 0, far_sum = 0, opposite_sum = 0;
-  int near_signed = 0;
-  int near_count = 0, far_count = 0, near_signs = 0, largest = 0;
-  int classes[4] = {5, 5, 5, 5};
-  int slot = 0, opposite_signs = 0;
-  for (int side = 0; side < 2; ++side) {
-    const std::uint32_t face = topology.edge_faces[2 * edge + side];
-    if (face == kNone) {
-      slot += 2;
-      continue;
-    }
-    const std::uint32_t opposite = topology.opposite_vertex(edge, face);
-    opposite_sum += magnitude_of(vertex_values[opposite]);
-    opposite_signs += sign_of(vertex_values[opposite]);
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t near = topology.face_edges[3 * face + k];
-      if (near == edge) continue;
-      if (near < edge || all_known) {
-        const std::int32_t v = known(near), m = magnitude_of(v);
-        near_sum += m;
-        ++near_count;
-        near_signs += sign_of(v);
-        near_signed += v > 3 ? 3 : v < -3 ? -3 : v;
-        if (m > largest) largest = m;
-        classes[slot++] = m > 3 ? 3 : m;
-      } else {
-        classes[slot++] = 4;
-      }
-      const std::uint32_t left = topology.edge_faces[2 * near], right = topology.edge_faces[2 * near + 1];
-      const std::uint32_t beyond = left == face ? right : left;
-      if (beyond == kNone) continue;
-      for (int j = 0; j < 3; ++j) {
-        const std::uint32_t far = topology.face_edges[3 * beyond + j];
-        if (far == near || !(far < edge || all_known)) continue;
-        far_sum += magnitude_of(known(far));
-        ++far_count;
-      }
-    }
-  }
-  for (int i = 1; i < 4; ++i)
-    for (int j = i; j > 0 && classes[j] < classes[j - 1]; --j) {
-      const int swapped = classes[j];
-      classes[j] = classes[j - 1];
-      classes[j - 1] = swapped;
-    }
-  const int neighbour_index = classes[0] + 6 * (classes[1] + 6 * (classes[2] + 6 * classes[3]));
-
-  const std::int64_t parent_sum =
-      std::int64_t{magnitude_of(vertex_values[a])} + magnitude_of(vertex_values[b]);
-  const int parent_class = energy_class(8 * parent_sum);
-  const int opposite_class = energy_class(8 * opposite_sum);
-  const int far_class = far_count ? energy_class(16 * far_sum / far_count) : 11;
+  const int neighbour_index = around.neighbour_index();
+  const int parent_class = energy_class(8 * around.parent_sum);
+  const int opposite_class = energy_class(8 * around.opposite_sum);
+  const int far_class = around.far_count ? energy_class(quotient(16 * around.far_sum, around.far_count)) : 11;
   // (2 near + 0.8 parents + 0.3 opposite) / 3.1 as means, in 1/16
-  std::int64_t energy;
+  const std::int32_t inherited = 64 * around.parent_sum + 24 * around.opposite_sum;
+  std::int32_t energy;
   if (level_class == 0) {
-    energy = near_count ? 16 * near_sum / near_count : 16;
-  } else if (near_count) {
-    energy = (320 * near_sum / near_count + 64 * parent_sum + 24 * opposite_sum) / 31;
+    energy = around.near_count ? quotient(16 * around.near_sum, around.near_count) : 16;
+  } else if (around.near_count) {
+    energy = (quotient(320 * around.near_sum, around.near_count) + inherited) / 31;
   } else {
-    energy = (64 * parent_sum + 24 * opposite_sum) / 11;
+    energy = inherited / 11;
   }
   const int energy_index = energy_class(energy);
   const int run_class = energy_class(run_);
@@ -153,20 +203,20 @@ std::int32_t CoefficientModel::code_normal(Coder& coder, const LevelView& view, 
     sibling_class = m > 3 ? 3 : m;
   }
 
-  const std::int32_t before = previous ? previous[edge] : 0;
+  const std::int32_t before = view.previous ? view.previous[edge] : 0;
   const int layer = before != 0 ? 1 : 0;
   const int orientation = before < 0 ? -1 : 1;
   const std::int32_t target = (values[edge] - before) * orientation;
 
-  SignificanceStates& significance = significance_[layer];
-  MixedBit<7> zero(significance.by_energy[level_class][kind][energy_index],
-                   significance.by_neighbours[level_class][neighbour_index],
-                   significance.by_parents[level_class][parent_class][opposite_class],
-                   significance.by_far_ring[far_class][energy_index],
-                   significance.by_run[level_class][run_class],
-                   significance.by_all[energy_index][parent_class][far_class],
-                   significance.by_sibling[level_class][kind][sibling_class][parent_class]);
   if (!is_known_nonzero) {
+    SignificanceStates& significance = significance_[layer];
+    MixedBit<7> zero(significance.by_energy[level_class][kind][energy_index],
+                     significance.by_neighbours[level_class][neighbour_index],
+                     significance.by_parents[level_class][parent_class][opposite_class],
+                     significance.by_far_ring[far_class][energy_index],
+                     significance.by_run[level_class][run_class],
+                     significance.by_all[energy_index][parent_class][far_class],
+                     significance.by_sibling[level_class][kind][sibling_class][parent_class]);
     MixerWeights& zero_mixer = significance.mixer[level_class][kind];
     const int significant = coder.code(target != 0, zero.probability(zero_mixer));
     zero.update(significant, zero_mixer, kSignificanceCountLimit);
@@ -176,19 +226,19 @@ std::int32_t CoefficientModel::code_normal(Coder& coder, const LevelView& view, 
     }
   }
 
-  const int parent_signs = sign_of(vertex_values[a]) + sign_of(vertex_values[b]);
   SignStates& sign = sign_[layer];
-  MixedBit<6> negative(sign.by_neighbours[near_signs + 4], sign.by_parents[level_class][parent_signs + 2],
-                       sign.by_opposite[opposite_signs + 2][parent_signs + 2],
-                       sign.by_signed[near_signed + 12][sign_of(sibling) + 1][kind & 1],
-                       sign.by_all[near_signs + 4][parent_signs + 2][opposite_signs + 2],
-                       sign.by_sibling[sign_of(sibling) + 1][opposite_signs + 2]);
+  MixedBit<6> negative(sign.by_neighbours[around.near_signs + 4],
+                       sign.by_parents[level_class][around.parent_signs + 2],
+                       sign.by_opposite[around.opposite_signs + 2][around.parent_signs + 2],
+                       sign.by_signed[around.near_signed + 12][sign_of(sibling) + 1][kind & 1],
+                       sign.by_all[around.near_signs + 4][around.parent_signs + 2][around.opposite_signs + 2],
+                       sign.by_sibling[sign_of(sibling) + 1][around.opposite_signs + 2]);
   const int is_negative = coder.code(target < 0, negative.probability(sign.mixer[kind & 1]));
   negative.update(is_negative, sign.mixer[kind & 1], kSignificanceCountLimit);
 
   MagnitudeStates& magnitude = magnitude_[layer];
   const std::uint32_t excess = static_cast<std::uint32_t>(magnitude_of(target)) - 1;
-  const int largest_class = near_count == 0 ? 6 : largest > 5 ? 5 : largest;
+  const int largest_class = around.near_count == 0 ? 6 : around.largest > 5 ? 5 : around.largest;
   std::uint32_t m = 0;
   while (m < kUnary) {
     MixedBit<6> more(magnitude.by_energy[energy_index][m], magnitude.by_far_ring[far_class][m],
@@ -201,14 +251,18 @@ std::int32_t CoefficientModel::code_normal(Coder& coder, const LevelView& view, 
     if (!bit) break;
     ++m;
   }
-  if (m == kUnary) m += magnitude.escape.code(coder, excess - kUnary);
-  if (m > static_cast<std::uint32_t>(kMaximumMagnitude) - 1) m = kMaximumMagnitude - 1;
+  // From one end of the range to the other it is twice the largest magnitude.
+  constexpr std::uint32_t kLargestExcess = 2 * static_cast<std::uint32_t>(kMaximumMagnitude) - 1;
+  if (m == kUnary) {
+    const std::uint32_t escaped = magnitude.escape.code(coder, excess - kUnary);
+    m = escaped < kLargestExcess - kUnary ? escaped + kUnary : kLargestExcess;
+  }
   const std::int32_t coded = static_cast<std::int32_t>(m) + 1;
   run_ += 2 * (coded > 64 ? 64 : coded) - (run_ >> 3);
-  std::int32_t value = before + orientation * (is_negative ? -coded : coded);
-  if (value > kMaximumMagnitude) value = kMaximumMagnitude;
-  if (value < -kMaximumMagnitude) value = -kMaximumMagnitude;
-  return value;
+  const std::int32_t value = before + orientation * (is_negative ? -coded : coded);
+  return value > kMaximumMagnitude    ? kMaximumMagnitude
+         : value < -kMaximumMagnitude ? -kMaximumMagnitude
+                                      : value;
 }
 
 /// a - b by edge, zero entries left out; both lists are in increasing order of edge. Encoders only.
@@ -301,7 +355,8 @@ void CoefficientModel::code_open_block(Coder& coder, const LevelView& view, Kind
   bool all_zero = true;
   for (int i = 0; i < edge_count; ++i) {
     const std::uint32_t edge = first_edge + static_cast<std::uint32_t>(i);
-    values[edge] = code_normal(coder, view, kind, all_zero && i == edge_count - 1, edge, values);
+    values[edge] = code_normal(coder, view, look_around(view, edge, values), kind,
+                               all_zero && i == edge_count - 1, edge, values);
     all_zero &= values[edge] == 0;
   }
 }
@@ -313,21 +368,21 @@ void CoefficientModel::code_half_edges(Coder& coder, const LevelView& view, cons
   const std::uint32_t first = 2 * coarse_edge;
   const std::int32_t* const previous = view.previous;
   const auto known = [&](std::uint32_t e) {
-    return e < first ? magnitude_of(values[e]) : previous ? magnitude_of(previous[e]) : 0;
+    return e < first ? context_magnitude(values[e]) : previous ? context_magnitude(previous[e]) : 0;
   };
   const std::uint32_t a = coarse.edge_vertices[2 * coarse_edge],
                       b = coarse.edge_vertices[2 * coarse_edge + 1];
-  std::int64_t middle = magnitude_of(view.vertex_values[coarse.vertex_count + coarse_edge]);
-  std::int64_t near_sum =
-      previous ? std::int64_t{magnitude_of(previous[first])} + magnitude_of(previous[first + 1]) : 0;
-  std::int64_t opposite = 0, wide = 0;
+  std::int32_t middle = context_magnitude(view.vertex_values[coarse.vertex_count + coarse_edge]);
+  std::int32_t near_sum =
+      previous ? context_magnitude(previous[first]) + context_magnitude(previous[first + 1]) : 0;
+  std::int32_t opposite = 0, wide = 0;
   for (int side = 0; side < 2; ++side) {
     const std::uint32_t face = coarse.edge_faces[2 * coarse_edge + side];
     if (face == kNone) continue;
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t e = coarse.face_edges[3 * face + k];
       if (e == coarse_edge) continue;
-      opposite += magnitude_of(view.vertex_values[coarse.vertex_count + e]);
+      opposite += context_magnitude(view.vertex_values[coarse.vertex_count + e]);
       // The half of e at the end that it shares with this edge.
       const std::uint32_t start = coarse.edge_vertices[2 * e];
       const std::uint32_t at_start = start == a || start == b ? 0u : 1u;
@@ -338,12 +393,12 @@ void CoefficientModel::code_half_edges(Coder& coder, const LevelView& view, cons
   const Kind alone = kHalfEdge;
   if (middle + near_sum + opposite != 0) {
     for (std::uint32_t edge = first; edge < first + 2; ++edge) {
-      values[edge] = code_normal(coder, view, alone, false, edge, values);
+      values[edge] = code_normal(coder, view, look_around(view, edge, values), alone, false, edge, values);
     }
     return;
   }
-  const std::int64_t ends =
-      std::int64_t{magnitude_of(view.vertex_values[a])} + magnitude_of(view.vertex_values[b]);
+  const std::int32_t ends =
+      context_magnitude(view.vertex_values[a]) + context_magnitude(view.vertex_values[b]);
   BlockStates& states = half_blocks_[previous ? 1 : 0];
   const int run_class = energy_class(run_), ends_class = energy_class(8 * ends);
   MixedBit<4> open(states.by_run[view.level_class][run_class],
@@ -369,21 +424,22 @@ void CoefficientModel::code_inner_edges(Coder& coder, const LevelView& view, con
   using namespace coefficient_internal;
   const std::uint32_t first = 2 * coarse.edge_count + 3 * coarse_face;
   const std::int32_t* const previous = view.previous;
-  std::int64_t near_sum = 0, wide = 0, corners = 0;
+  std::int32_t near_sum = 0, wide = 0, corners = 0;
   for (int k = 0; k < 3; ++k) {
     const std::uint32_t e = coarse.face_edges[3 * coarse_face + k];
-    near_sum += magnitude_of(view.vertex_values[coarse.vertex_count + e]);
-    near_sum += std::int64_t{magnitude_of(values[2 * e])} + magnitude_of(values[2 * e + 1]);
-    if (previous) near_sum += magnitude_of(previous[first + k]);
+    near_sum += context_magnitude(view.vertex_values[coarse.vertex_count + e]);
+    near_sum += context_magnitude(values[2 * e]) + context_magnitude(values[2 * e + 1]);
+    if (previous) near_sum += context_magnitude(previous[first + k]);
   }
   if (near_sum != 0) {
     for (std::uint32_t edge = first; edge < first + 3; ++edge) {
-      values[edge] = code_normal(coder, view, kInnerEdge, false, edge, values);
+      values[edge] =
+          code_normal(coder, view, look_around(view, edge, values), kInnerEdge, false, edge, values);
     }
     return;
   }
   for (int k = 0; k < 3; ++k) {
-    corners += magnitude_of(view.vertex_values[coarse.face_vertices[3 * coarse_face + k]]);
+    corners += context_magnitude(view.vertex_values[coarse.face_vertices[3 * coarse_face + k]]);
     const std::uint32_t e = coarse.face_edges[3 * coarse_face + k];
     const std::uint32_t left = coarse.edge_faces[2 * e], right = coarse.edge_faces[2 * e + 1];
     const std::uint32_t other = left == coarse_face ? right : left;
@@ -391,8 +447,8 @@ void CoefficientModel::code_inner_edges(Coder& coder, const LevelView& view, con
     const std::int32_t* from = other < coarse_face ? values : previous;
     if (!from) continue;
     const std::uint32_t there = 2 * coarse.edge_count + 3 * other;
-    wide += std::int64_t{magnitude_of(from[there])} + magnitude_of(from[there + 1]) +
-            magnitude_of(from[there + 2]);
+    wide += context_magnitude(from[there]) + context_magnitude(from[there + 1]) +
+            context_magnitude(from[there + 2]);
   }
   BlockStates& states = inner_blocks_[previous ? 1 : 0];
   const int run_class = energy_class(run_), corner_class = energy_class(8 * corners);
@@ -430,7 +486,8 @@ Status CoefficientModel::code_level(Coder& coder, Memory* memory, int level, con
   if (!coarse) {
     for (std::uint32_t edge = 0; edge < topology.edge_count; ++edge) {
       NMC_TRY(check_now_and_then(edge));
-      values[edge] = code_normal(coder, view, kHalfEdge, false, edge, values);
+      values[edge] =
+          code_normal(coder, view, look_around(view, edge, values), kHalfEdge, false, edge, values);
     }
   } else {
     for (std::uint32_t edge = 0; edge < coarse->edge_count; ++edge) {

@@ -61,6 +61,10 @@ struct LevelTopology {
     if (second == kNone) return 1;
     return first == second ? 3 : 2;
   }
+  /// The face on the other side of `edge`, or kNone. The edge must belong to `face`.
+  std::uint32_t face_across(std::uint32_t edge, std::uint32_t face) const {
+    return edge_faces[2 * edge] == face ? edge_faces[2 * edge + 1] : edge_faces[2 * edge];
+  }
   /// The corner of `face` that is not on `edge`. The edge must belong to the face.
   std::uint32_t opposite_vertex(std::uint32_t edge, std::uint32_t face) const {
     const std::uint32_t* v = face_vertices.data() + std::size_t{3} * face;
