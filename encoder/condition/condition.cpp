@@ -45,10 +45,8 @@ constexpr int kMaximumWeldRounds = 8, kMaximumSeparations = 4;
 class Conditioner {
  public:
   Conditioner(const TriangleMesh& input, const ConditionOptions& options, const Progress& progress)
-      : input_(input),
-        options_(options),
-        progress_(progress),
-        mesh_{{}, {}, {}, {}, out_.fate, out_.report} {}
+      : input_(input), options_(options), progress_(progress), mesh_{{}, {},        {},         {},
+                                                                     {}, out_.fate, out_.report} {}
 
   ConditionedMesh run() {
     if (input_.triangle_count() >= kMaximumTriangles)
@@ -107,6 +105,7 @@ class Conditioner {
       }
     }
     mesh_.triangles = mesh_.stored;
+    mesh_.is_turned.assign(mesh_.stored.size(), 0);
     if (mesh_.triangles.empty())
       refuse(fmt::format(
           "no usable triangle: {} of {} have a corner that is not finite, {} name a vertex that does "
@@ -400,9 +399,7 @@ class Conditioner {
       if (source == kFilledHole) continue;
       TriangleFate& fate = out_.fate[source];
       if (fate == TriangleFate::kKept) {
-        const Triangle &now = mesh_.stored[t], &before = input_.triangles[source];
-        const auto at = static_cast<std::size_t>(std::find(now.begin(), now.end(), before[0]) - now.begin());
-        if (at == 3 || now[(at + 1) % 3] != before[1]) fate = TriangleFate::kReoriented;
+        if (mesh_.is_turned[t]) fate = TriangleFate::kReoriented;
       } else if (is_dropped(fate)) {
         fate = TriangleFate::kSplit;
       }

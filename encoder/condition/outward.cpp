@@ -20,11 +20,57 @@ namespace {
 /// more, all are indexed.
 constexpr std::size_t kPairwiseLimit = 4000;
 constexpr int kMaximumCrossings = 1 << 14;
+/// Places on a piece that are tried until one does not touch another piece.
+constexpr std::size_t kOrigins = 8;
 
 bool box_holds(const BoundingBox& outer, const BoundingBox& inner) {
   for (int k = 0; k < 3; ++k)
     if (outer.minimum[k] > inner.minimum[k] || outer.maximum[k] < inner.maximum[k]) return false;
   return true;
+}
+
+/// The closed pieces around `inner`, one of them, by the parity of three rays from one of its triangles.
+std::vector<std::uint32_t> pieces_around(const WorkingMesh& mesh, const SurfaceIndex& walls,
+                                         const std::vector<std::uint32_t>& piece_of_wall,
+                                         const std::vector<std::uint32_t>& triangles, std::uint32_t inner) {
+  // Directions that no modelled face or edge is likely to follow.
+  const std::array<Vec3, 3> directions = {Vec3{0.8191, 0.3217, 0.4752}, Vec3{-0.2857, 0.7643, -0.5781},
+                                          Vec3{0.4139, -0.6043, 0.6808}};
+  const double touching = 1e-9 * mesh.report.diagonal;
+  std::vector<SurfacePoint> hits;
+  for (std::size_t attempt = 0; attempt < kOrigins; ++attempt) {
+    const Triangle& t = mesh.triangles[triangles[attempt * triangles.size() / kOrigins]];
+    // Added so that the triangle turned around, (0, 2, 1), has the same origin to the last bit.
+    const Vec3 origin = (mesh.positions[t[0]] + (mesh.positions[t[1]] + mesh.positions[t[2]])) / 3;
+    std::vector<std::uint32_t> inside;  // one entry per ray and piece
+    bool on_wall = false;
+    for (const Vec3& direction : directions) {
+      walls.all_hits(origin, direction, -touching, std::numeric_limits<double>::infinity(), kMaximumCrossings,
+                     hits);
+      std::vector<std::uint32_t> crossed;
+      for (const SurfacePoint& hit : hits) {
+        const std::uint32_t piece = piece_of_wall[hit.triangle];
+        if (piece == inner) continue;
+        on_wall = on_wall || hit.t < touching;
+        crossed.push_back(piece);
+      }
+      std::sort(crossed.begin(), crossed.end());
+      for (std::size_t a = 0; a < crossed.size();) {
+        const auto b = static_cast<std::size_t>(std::upper_bound(crossed.begin(), crossed.end(), crossed[a]) -
+                                                crossed.begin());
+        if ((b - a) % 2 == 1) inside.push_back(crossed[a]);
+        a = b;
+      }
+    }
+    if (on_wall) continue;  // on the surface of another piece there is no inside
+    std::sort(inside.begin(), inside.end());
+    std::vector<std::uint32_t> majority;
+    for (std::size_t k = 0; k + 1 < inside.size(); ++k)
+      if (inside[k] == inside[k + 1] && (majority.empty() || majority.back() != inside[k]))
+        majority.push_back(inside[k]);
+    return majority;
+  }
+  return {};
 }
 
 /// For every piece the closed piece of the largest box that it lies in, or kNone.
@@ -55,43 +101,21 @@ std::vector<std::uint32_t> outermost_containers(const WorkingMesh& mesh, const P
   if (walls.empty()) return container;
   const SurfaceIndex index(mesh.positions, walls);
 
+  std::vector<std::vector<std::uint32_t>> triangles_of(piece_count);  // of pieces that may be held
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    if (may_be_held[pieces.of_triangle[t]]) triangles_of[pieces.of_triangle[t]].push_back(t);
+
   // Largest first.
   const auto rank = [&](std::uint32_t p) {
     return std::pair(-squared_norm(pieces.list[p].box.maximum - pieces.list[p].box.minimum), p);
   };
-  // Three directions that no modelled face or edge is likely to follow.
-  const std::array<Vec3, 3> directions = {Vec3{0.8191, 0.3217, 0.4752}, Vec3{-0.2857, 0.7643, -0.5781},
-                                          Vec3{0.4139, -0.6043, 0.6808}};
   parallel_for(closed.size(), [&](std::size_t i) {
     const std::uint32_t inner = closed[i];
     if (!may_be_held[inner]) return;
-    const Triangle& t = mesh.triangles[pieces.list[inner].first_triangle];
-    const Vec3 origin = (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3;
-    std::vector<std::pair<std::uint32_t, int>> votes;  // piece, rays that say inside
-    for (const Vec3& direction : directions) {
-      std::vector<SurfacePoint> hits;
-      index.all_hits(origin, direction, 0, std::numeric_limits<double>::infinity(), kMaximumCrossings, hits);
-      std::vector<std::uint32_t> crossed;
-      for (const SurfacePoint& hit : hits) crossed.push_back(piece_of_wall[hit.triangle]);
-      std::sort(crossed.begin(), crossed.end());
-      for (std::size_t a = 0; a < crossed.size();) {
-        std::size_t b = a + 1;
-        while (b < crossed.size() && crossed[b] == crossed[a]) ++b;
-        if (crossed[a] != inner && (b - a) % 2 == 1 &&
-            box_holds(pieces.list[crossed[a]].box, pieces.list[inner].box)) {
-          auto vote =
-              std::find_if(votes.begin(), votes.end(), [&](const auto& v) { return v.first == crossed[a]; });
-          if (vote == votes.end()) vote = votes.insert(votes.end(), {crossed[a], 0});
-          ++vote->second;
-        }
-        a = b;
-      }
-    }
-    for (const auto& [piece, count] : votes) {
-      if (count < 2) continue;
-      if (rank(piece) < rank(inner) && (container[inner] == kNone || rank(piece) < rank(container[inner])))
+    for (const std::uint32_t piece : pieces_around(mesh, index, piece_of_wall, triangles_of[inner], inner))
+      if (rank(piece) < rank(inner) && box_holds(pieces.list[piece].box, pieces.list[inner].box) &&
+          (container[inner] == kNone || rank(piece) < rank(container[inner])))
         container[inner] = piece;
-    }
   });
   return container;
 }

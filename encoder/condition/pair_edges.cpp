@@ -81,17 +81,14 @@ class Pairing {
     for (const GroupedHalfEdge& entry : group)
       by_stored_edge.push_back({stored_edge(entry.half_edge()), entry.half_edge()});
     std::sort(by_stored_edge.begin(), by_stored_edge.end());
-    std::vector<std::uint32_t> crowd;
+    crowds_.emplace_back();
+    for (const GroupedHalfEdge& entry : group) crowds_.back().push_back(entry.half_edge());
     for (std::size_t i = 0; i < by_stored_edge.size();) {
       std::size_t j = i + 1;
       while (j < by_stored_edge.size() && by_stored_edge[j].first == by_stored_edge[i].first) ++j;
-      if (j - i == 2)
-        join(by_stored_edge[i].second, by_stored_edge[i + 1].second);
-      else
-        for (std::size_t k = i; k < j; ++k) crowd.push_back(by_stored_edge[k].second);
+      if (j - i == 2) join(by_stored_edge[i].second, by_stored_edge[i + 1].second);
       i = j;
     }
-    if (!crowd.empty()) crowds_.push_back(std::move(crowd));
   }
 
   /// The half-edges of a crowd that are still open, by angle; equal angles (overlapping triangles) by number.
@@ -183,7 +180,7 @@ class Pairing {
   WorkingMesh& mesh_;
   std::vector<std::uint32_t> pairs_;
   std::size_t crowded_edge_count_ = 0;
-  std::vector<std::vector<std::uint32_t>> crowds_;  // unpaired half-edges of each crowded edge
+  std::vector<std::vector<std::uint32_t>> crowds_;  // the half-edges of each crowded edge
 };
 
 }  // namespace

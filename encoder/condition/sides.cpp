@@ -112,7 +112,7 @@ CutEdges open_contradictory_pairs(WorkingMesh& mesh, std::vector<std::uint32_t>&
     for (; j < by_piece.size() && by_piece[j].first == by_piece[i].first; ++j)
       seam.push_back(by_piece[j].second);
     const std::vector<std::uint32_t> walked = walked_seam(mesh, pairs, by_piece[i].first, side);
-    if (walked.size() < seam.size()) seam = walked;
+    if (2 * walked.size() < seam.size()) seam = walked;
     mesh.note(Defect::kNotOrientable, [&] {
       return fmt::format("the surface cannot be oriented; opened at the edge between vertices {} and {}",
                          tail_of(mesh.stored, seam[0]), head_of(mesh.stored, seam[0]));
@@ -139,6 +139,7 @@ void turn_triangles(WorkingMesh& mesh, std::vector<std::uint32_t>& pairs,
     if (turn[t]) {
       std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
       std::swap(mesh.stored[t][1], mesh.stored[t][2]);
+      mesh.is_turned[t] ^= 1;
       std::swap(partners[0], partners[2]);
     }
     for (std::uint32_t k = 0; k < 3; ++k) pairs[3 * t + k] = partners[k];

@@ -38,11 +38,11 @@ struct CutEdges {
   std::size_t edges = 0, pieces = 0;  // pieces that cannot be oriented
 };
 
-/// Opens pairs until the rest can be oriented. Two choices are
-/// compared per piece and the one that opens fewer edges wins: the seam that the file's own orientations
-/// leave (pairs that agree as stored are never opened), or where a breadth-first walk from the lowest
-/// triangle meets itself on the wrong side. Opening what an earlier run opened leaves exactly that seam, so a
-/// second run opens the same edges. O(n).
+/// Opens pairs until the rest can be oriented. Per piece that is the seam which the file's own orientations
+/// leave (pairs that agree as stored are never opened); only where a breadth-first walk from the lowest
+/// triangle meets itself on the wrong side at less than half as many edges, as in files of random
+/// orientation, those. Opening what an earlier run opened leaves exactly that seam, so a second run opens the
+/// same edges. O(n).
 CutEdges open_contradictory_pairs(WorkingMesh& mesh, std::vector<std::uint32_t>& pairs);
 
 /// Reverses the triangles with turn[t] != 0 in place: corners, stored corners and pairs. O(n).

@@ -144,6 +144,7 @@ void connect(WorkingMesh& mesh, std::vector<std::uint32_t>& opposite, const std:
     mesh.triangles.push_back(t);
     mesh.stored.push_back(t);
     mesh.source.push_back(kFilledHole);
+    mesh.is_turned.push_back(0);
   }
   opposite.resize(3 * mesh.triangles.size(), kNone);
   for (std::size_t i = 0; i < open.size(); ++i)

@@ -239,6 +239,7 @@ std::size_t close_t_junctions(WorkingMesh& mesh, const EdgeGroups& edges, double
       mesh.triangles.push_back(pieces[k].first);
       mesh.stored.push_back(pieces[k].second);
       mesh.source.push_back(mesh.source[t]);
+      mesh.is_turned.push_back(0);
     }
   }
   mesh.report.t_junctions_closed += accepted.size();

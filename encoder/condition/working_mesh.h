@@ -40,8 +40,9 @@ struct WorkingMesh {
   /// joined by whoever wrote the file; that is believed before geometry is asked, and it is what makes a
   /// second conditioning change nothing.
   std::vector<Triangle> stored;
-  std::vector<std::uint32_t> source;  // input triangle of each triangle, or kFilledHole
-  std::vector<TriangleFate>& fate;    // of the input triangles
+  std::vector<std::uint32_t> source;    // input triangle of each triangle, or kFilledHole
+  std::vector<std::uint8_t> is_turned;  // whether it runs the other way than that one
+  std::vector<TriangleFate>& fate;      // of the input triangles
   ConditionReport& report;
 
   /// Removes the triangles for which fate_of(t) is a dropping fate, keeping the order.
@@ -57,12 +58,14 @@ struct WorkingMesh {
       triangles[kept] = triangles[t];
       stored[kept] = stored[t];
       source[kept] = source[t];
+      is_turned[kept] = is_turned[t];
       ++kept;
     }
     const std::size_t dropped = triangles.size() - kept;
     triangles.resize(kept);
     stored.resize(kept);
     source.resize(kept);
+    is_turned.resize(kept);
     return dropped;
   }
 
