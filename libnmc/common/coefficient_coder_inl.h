@@ -127,7 +127,9 @@ std::int32_t CoefficientModel::code_signed(Coder& coder, NumberModel& magnitude,
   using namespace coefficient_internal;
   std::uint32_t m = magnitude.code(coder, static_cast<std::uint32_t>(magnitude_of(value)));
   if (m == 0) return 0;
-  if (m > static_cast<std::uint32_t>(kMaximumMagnitude)) m = kMaximumMagnitude;
+  // From one end of the range to the other it is twice the largest magnitude.
+  if (m > 2 * static_cast<std::uint32_t>(kMaximumMagnitude))
+    m = 2 * static_cast<std::uint32_t>(kMaximumMagnitude);
   const int negative = code_adaptive(coder, sign, value < 0, kMagnitudeCountLimit);
   return negative ? -static_cast<std::int32_t>(m) : static_cast<std::int32_t>(m);
 }
