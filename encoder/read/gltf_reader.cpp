@@ -250,12 +250,14 @@ class GltfReader {
     if (colors.component_count() < 3 || colors.count() != count ||
         !(colors.is_float() || colors.is_normalized()))
       document_.fail(colors.path(), "not a colour for each vertex");
-    if (colors.component_count() == 4) ++dropped_["primitives with vertex opacities"];
     mesh_.colors.resize(first, {255, 255, 255});
     mesh_.colors.resize(first + count);
+    bool is_opaque = true;
     colors.for_each([&](std::size_t i, std::size_t k, double value) {
       if (k < 3) mesh_.colors[first + i][k] = srgb_byte_from_linear(value);
+      if (k == 3 && !(value >= 1)) is_opaque = false;
     });
+    if (!is_opaque) ++dropped_["primitives with vertex opacities"];
   }
 
   void add_triangles(std::uint64_t mode, std::uint64_t indices, const std::string& user, std::uint32_t first,
@@ -279,7 +281,9 @@ class GltfReader {
     if (mode == kModeTriangles && corners.size() % 3 != 0)
       document_.fail(user, fmt::format("{} corners are not whole triangles", corners.size()));
     const std::size_t step = mode == kModeTriangles ? 3 : 1;
-    if (corners.size() / step > options_.maximum_triangles - mesh_.triangles.size())
+    // Joints count too: a strip of nothing but joints, shown a million times, must end as well.
+    triangles_seen_ += corners.size() / step;
+    if (triangles_seen_ > options_.maximum_triangles)
       document_.fail(user,
                      fmt::format("more than {} triangles, which is the limit", options_.maximum_triangles),
                      ExitCode::kLimit);
@@ -315,6 +319,7 @@ class GltfReader {
       first_vertices_;  // of one instance of a mesh
   std::map<std::string, std::uint64_t> dropped_;
   std::uint64_t skinned_meshes_ = 0;
+  std::uint64_t triangles_seen_ = 0;
 };
 
 }  // namespace

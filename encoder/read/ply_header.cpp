@@ -17,6 +17,7 @@ namespace nmc {
 namespace {
 
 constexpr std::size_t kMaximumQuoted = 40;
+constexpr std::size_t kMaximumName = 255;
 
 std::string quoted(std::string_view text) {
   return fmt::format("'{}{}'", text.substr(0, kMaximumQuoted), text.size() > kMaximumQuoted ? "..." : "");
@@ -68,7 +69,7 @@ class HeaderParser {
       } else if (keyword == "property") {
         parse_property();
       } else if (keyword == "comment") {
-        if (word() == "TextureFile") header_.texture_files.emplace_back(word());
+        if (word() == "TextureFile") header_.texture_files.emplace_back(rest_of_line());
       } else if (!keyword.empty() && keyword != "obj_info") {
         fail("unknown keyword " + quoted(keyword) + " in the header");
       }
@@ -109,6 +110,13 @@ class HeaderParser {
   std::string_view word() {
     skip_blanks(word_, line_stop_);
     return take_token(word_, line_stop_);
+  }
+
+  std::string_view rest_of_line() {
+    skip_blanks(word_, line_stop_);
+    std::string_view rest(word_, static_cast<std::size_t>(line_stop_ - word_));
+    while (!rest.empty() && is_blank(rest.back())) rest.remove_suffix(1);
+    return rest.substr(0, kMaximumName);
   }
 
   void parse_format() {

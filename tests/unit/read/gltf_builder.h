@@ -3,9 +3,11 @@
 #ifndef NMC_TESTS_UNIT_READ_GLTF_BUILDER_H_
 #define NMC_TESTS_UNIT_READ_GLTF_BUILDER_H_
 
+#include <cstdint>
 #include <string>
+#include <string_view>
 
-#include "tests/unit/read/read_test_tools.h"
+#include "tests/unit/read/byte_builder.h"
 
 namespace nmc::test {
 

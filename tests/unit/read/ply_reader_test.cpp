@@ -135,7 +135,7 @@ TEST_CASE("ply: lists what a mesh cannot carry", "[ply]") {
   options.attributes = false;
   const TriangleMesh mesh = read_bytes(
       kPly,
-      "ply\nformat ascii 1.0\ncomment TextureFile skin.png\nelement vertex 3\nproperty float x\nproperty "
+      "ply\nformat ascii 1.0\ncomment TextureFile my skin.png \nelement vertex 3\nproperty float x\nproperty "
       "float y\n"
       "property float z\nproperty float quality\nproperty uchar red\nproperty uchar alpha\nelement face 1\n"
       "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n"
@@ -143,7 +143,7 @@ TEST_CASE("ply: lists what a mesh cannot carry", "[ply]") {
       options);
   CHECK(mesh.attributes.empty());
   CHECK(mesh.colors.empty());
-  for (const char* what : {"skin.png", "'quality'", "'red'", "'alpha'", "'texcoord'"}) {
+  for (const char* what : {"'my skin.png'", "'quality'", "'red'", "'alpha'", "'texcoord'"}) {
     CAPTURE(what);
     CHECK(mentions(mesh.dropped_properties, what));
   }

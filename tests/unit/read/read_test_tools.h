@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -16,6 +15,7 @@
 #include "encoder/core/error.h"
 #include "encoder/core/triangle_mesh.h"
 #include "encoder/read/mesh_reader.h"
+#include "tests/unit/read/byte_builder.h"
 
 namespace nmc {
 
@@ -62,39 +62,6 @@ inline bool mentions(const std::vector<std::string>& lines, std::string_view par
   return std::any_of(lines.begin(), lines.end(),
                      [&](const std::string& line) { return line.find(part) != std::string::npos; });
 }
-
-/// Binary data piece by piece.
-class Bytes {
- public:
-  explicit Bytes(bool big_endian = false) : big_endian_(big_endian) {}
-
-  Bytes& text(std::string_view text) {
-    bytes_ += text;
-    return *this;
-  }
-
-  template <class T>
-  Bytes& number(T value) {
-    char raw[sizeof value];
-    std::memcpy(raw, &value, sizeof value);
-    if (big_endian_) std::reverse(raw, raw + sizeof value);
-    bytes_.append(raw, sizeof value);
-    return *this;
-  }
-
-  template <class T>
-  Bytes& numbers(std::initializer_list<T> values) {
-    for (const T value : values) number(value);
-    return *this;
-  }
-
-  const std::string& string() const { return bytes_; }
-  std::size_t size() const { return bytes_.size(); }
-
- private:
-  bool big_endian_;
-  std::string bytes_;
-};
 
 }  // namespace test
 }  // namespace nmc

@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "encoder/read/mesh_reader.h"
+#include "tests/unit/read/byte_builder.h"
 #include "tests/unit/read/gltf_builder.h"
-#include "tests/unit/read/read_test_tools.h"
 
 namespace nmc::test {
 
