@@ -149,11 +149,13 @@ class Collapser {
   void protect_extremities() {
     extremities_found_ = true;
     protected_.assign(table_.real_vertex_count(), 0);
+    history_.extremities.assign(table_.real_vertex_count(), 0);
     extremities_ = find_extremities(table_, positions_, options_.extremity_prominence);
     std::erase_if(extremities_, [this](std::uint32_t v) { return history_.kinds[v] != VertexKind::kSmooth; });
     protected_count_ = extremities_.size();
     for (const std::uint32_t v : extremities_) {
       protected_[v] = 1;
+      history_.extremities[v] = 1;
       queue_.set(v, kInfinity);
     }
   }
@@ -373,6 +375,7 @@ CollapseHistory maps_collapse(const TriangleMesh& mesh, const std::vector<int>& 
                           .steps = {},
                           .base_step_counts = {},
                           .kinds = std::move(chains.kinds),
+                          .extremities = {},
                           .crease_corners = {}};
   const CornerTable& table = history.coarsest;
   if (!chains.crease_edges.empty()) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numbers>
 
@@ -90,6 +91,7 @@ void SurfaceMap::build_domain() {
   }
   domain_ = BaseDomain(base_vertices_.size(), std::move(faces), creases);
 
+  limit_slides();
   density_.assign(vertex_count, 1.0);
   points_.assign(vertex_count, {});
   for (const std::uint32_t v : base_vertices_) points_[v] = domain_.cone_point(base_index[v]);
@@ -109,6 +111,28 @@ void SurfaceMap::build_domain() {
       }
       charts_[f].maps[k] = map;
     }
+  }
+}
+
+/// A cone at the tip of a limb may slide a little, to where the map is smooth, but not down towards the body:
+/// that lowers the energy too, and leaves the tip without samples.
+bool SurfaceMap::leaves_tip(std::uint32_t cone, std::uint32_t v) const {
+  return slide_radius_[cone] >= 0 && distance(position(v), position(homes_[cone])) > slide_radius_[cone];
+}
+
+void SurfaceMap::limit_slides() {
+  static const double kR = getenv("SR") ? atof(getenv("SR")) : 0.25;
+  homes_ = base_vertices_;
+  slide_radius_.assign(base_vertices_.size(), -1);
+  if (history_.extremities.empty()) return;
+  for (std::uint32_t i = 0; i < base_vertices_.size(); ++i) {
+    const std::uint32_t v = base_vertices_[i];
+    if (!history_.extremities[v]) continue;
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t f : domain_.faces_around(i))
+      for (const std::uint32_t w : domain_.face(f))
+        if (w != i) shortest = std::min(shortest, distance(position(v), position(base_vertices_[w])));
+    slide_radius_[i] = kR * shortest;
   }
 }
 
@@ -416,6 +440,7 @@ void SurfaceMap::place_vertex(std::uint32_t v, Corner step, const EnergyWeights&
   const bool beside = try_place(step);
   if (beside) {
     descend(v, weights, scale, kIterations);
+    if (leaves_tip(cone_index_[u], v)) return;
     beside_energy = energy(before.faces, weights, scale);
   }
   const Saved after = save(u, v);

@@ -79,6 +79,8 @@ class SurfaceMap {
     bool is_new;  // beside the edge v - u
   };
   void build_domain();
+  void limit_slides();
+  bool leaves_tip(std::uint32_t cone, std::uint32_t v) const;
   /// What place_vertex may change, to be put back.
   struct Saved {
     std::array<std::uint32_t, 2> vertices{};
@@ -110,6 +112,8 @@ class SurfaceMap {
   std::vector<double> density_;
   std::vector<std::uint32_t> cone_index_;  // base vertex at which a surface vertex sits, or kNoVertex
   std::vector<std::uint32_t> base_vertices_;
+  std::vector<std::uint32_t> homes_;  // surface vertex at which each base vertex began
+  std::vector<double> slide_radius_;  // how far it may go from there; negative: any distance
   std::size_t steps_left_ = 0, live_vertex_count_ = 0, failed_insertions_ = 0;
 
   // Scratch of undo_step.
