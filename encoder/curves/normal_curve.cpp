@@ -30,6 +30,26 @@ std::vector<CurveFrame> base_frames(const std::vector<Vec3>& positions, bool is_
   return frames;
 }
 
+void move_along_normals(NormalCurveLevel& level, const std::vector<std::array<double, 2>>& offsets) {
+  for (std::size_t i = 0; i < level.positions.size(); ++i)
+    level.positions[i] +=
+        offsets[i][0] * level.frames[i].normal[0] + offsets[i][1] * level.frames[i].normal[1];
+}
+
+// The base along normal lines that pass through the reference, so that each vertex can still converge to its
+// point R(u). A decoder knows the lines from the fitted base only, hence the fixed-point iteration.
+void fit_base(const ReferenceCurve& reference, NormalCurveLevel& base, int dimension) {
+  const std::vector<Vec3> anchors = base.positions;
+  constexpr int kIterations = 40;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    base.positions = anchors;
+    const CurveIntegrals integrals = integrate(reference, base, reference.is_closed());
+    move_along_normals(base,
+                       solve_along_normals(integrals, base.frames, dimension - 1, reference.is_closed()));
+    base.frames = base_frames(base.positions, reference.is_closed(), dimension);
+  }
+}
+
 // The crossing nearest to the middle of the parameter interval, inside the aperture.
 std::optional<double> accepted_crossing(const std::vector<double>& crossings, double from, double to,
                                         double aperture) {
@@ -43,12 +63,6 @@ std::optional<double> accepted_crossing(const std::vector<double>& crossings, do
     best = u;
   }
   return best;
-}
-
-void move_along_normals(NormalCurveLevel& level, const std::vector<std::array<double, 2>>& offsets) {
-  for (std::size_t i = 0; i < level.positions.size(); ++i)
-    level.positions[i] +=
-        offsets[i][0] * level.frames[i].normal[0] + offsets[i][1] * level.frames[i].normal[1];
 }
 
 // The level's connectivity, predictions, crossings and normal lines. Positions: even ones unchanged, odd ones
@@ -120,13 +134,13 @@ NormalCurve build_normal_curve(const ReferenceCurve& reference, const std::vecto
   for (const double u : base_parameters) base.positions.push_back(reference(u));
   base.details.resize(base_parameters.size());
   base.is_normal.assign(base_parameters.size(), 1);
-  // The base is coded as vectors, so it may as well be the best one.
-  const bool is_fitted = options.fit != CurveFit::kInterpolating;
-  if (is_fitted) {
+  base.frames = base_frames(base.positions, is_closed, options.dimension);
+  if (options.fit == CurveFit::kVectorial) {
     const std::vector<Vec3> offsets = solve_vectorial(integrate(reference, base, is_closed), is_closed);
     for (std::size_t i = 0; i < offsets.size(); ++i) base.positions[i] += offsets[i];
+  } else if (options.fit != CurveFit::kInterpolating) {
+    fit_base(reference, base, options.dimension);
   }
-  base.frames = base_frames(base.positions, is_closed, options.dimension);
   curve.levels.push_back(std::move(base));
 
   for (int l = 1; l <= options.level_count; ++l) {
@@ -194,19 +208,18 @@ double parametric_error(const ReferenceCurve& reference, const NormalCurveLevel&
 }
 
 double geometric_error(const ReferenceCurve& reference, const NormalCurveLevel& level, bool is_closed) {
-  const std::size_t count = level.positions.size();
-  double sum = 0, length = 0;
-  constexpr int kSamples = 4;
-  for (std::size_t i = 0; i < segment_count(count, is_closed); ++i) {
-    const Vec3 &a = level.positions[i], &b = level.positions[(i + 1) % count];
-    const double width = distance(a, b) / kSamples;
-    for (int s = 0; s < kSamples; ++s) {
-      const double d = reference.distance_to(a + (s + 0.5) / kSamples * (b - a));
-      sum += width * d * d;
-      length += width;
+  const auto mean_square = [](const ReferenceCurve& from, const ReferenceCurve& to) {
+    constexpr std::size_t kLeastSamples = 4000;  // uniform in arc length
+    const std::size_t count = std::max<std::size_t>(kLeastSamples, 2 * from.points().size());
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double d = to.distance_to(from((static_cast<double>(i) + 0.5) / static_cast<double>(count)));
+      sum += d * d;
     }
-  }
-  return length > 0 ? std::sqrt(sum / length) : 0;
+    return sum / static_cast<double>(count);
+  };
+  const ReferenceCurve approximation(level.positions, is_closed);
+  return std::sqrt(std::max(mean_square(approximation, reference), mean_square(reference, approximation)));
 }
 
 }  // namespace nmc

@@ -69,7 +69,9 @@ std::vector<Vec3> reconstruct(const NormalCurve& curve);
 /// minimized.
 double parametric_error(const ReferenceCurve& reference, const NormalCurveLevel& level, bool is_closed);
 
-/// Root of the mean squared distance of the polyline's points to the reference, over the polyline's length.
+/// Root of the mean squared distance between the curves as sets, the larger of the two directions. A polyline
+/// that leaves out a detail is near the reference, but the reference is not near it. O(product of the numbers
+/// of points).
 double geometric_error(const ReferenceCurve& reference, const NormalCurveLevel& level, bool is_closed);
 
 }  // namespace nmc
