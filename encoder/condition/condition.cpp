@@ -128,7 +128,8 @@ class Conditioner {
           box.minimum[k] = std::min(box.minimum[k], p[k]);
           box.maximum[k] = std::max(box.maximum[k], p[k]);
           largest = std::max(largest, std::abs(p[k]));
-          all_float = all_float && static_cast<double>(static_cast<float>(p[k])) == p[k];
+          // The 29 bits that a double has and a float has not.
+          all_float = all_float && (std::bit_cast<std::uint64_t>(p[k]) & 0x1fffffffu) == 0;
         }
       }
     const double extent = std::max(
@@ -151,7 +152,7 @@ class Conditioner {
     if (weld_radius_ > 0 && all_float) weld_radius_ = std::max(weld_radius_, largest * 0x1p-22);
   }
 
-  // -------------------------------------------------------------------------------------- kNone
+  // -------------------------------------------------------------------------------------- kNothing
 
   void accept_manifold_only() {
     conditioning::drop_degenerate(mesh_);
@@ -165,7 +166,7 @@ class Conditioner {
         refuse(fmt::format(
             "not a manifold: the edge between vertices {} and {} has {} triangles, among them {}, {} "
             "and {}; --repair auto would separate them",
-            a, b, group.size(), name(group[0]), name(group[1]), name(group[2])));
+            std::min(a, b), std::max(a, b), group.size(), name(group[0]), name(group[1]), name(group[2])));
       if (group.size() < 2) return;
       const std::uint32_t other = group[1].half_edge();
       if (conditioning::apex_of(mesh_.triangles, h) == conditioning::apex_of(mesh_.triangles, other))

@@ -11,16 +11,23 @@ using namespace nmc;
 namespace {
 const std::vector<TriangleMesh>& models() {
   static const std::vector<TriangleMesh> meshes = {
-      corpus::icosphere(1),           corpus::icosphere(2),       corpus::torus(9, 6),
-      corpus::terrain(7),             corpus::disk_with_holes(4), corpus::perforated_plate(2, 1),
-      corpus::moebius_strip(14, 2),   corpus::klein_bottle(10, 8), corpus::loose_triangles(40),
+      corpus::icosphere(1),
+      corpus::icosphere(2),
+      corpus::torus(9, 6),
+      corpus::terrain(7),
+      corpus::disk_with_holes(4),
+      corpus::perforated_plate(2, 1),
+      corpus::moebius_strip(14, 2),
+      corpus::klein_bottle(10, 8),
+      corpus::loose_triangles(40),
       corpus::voxel_surface(3, 3, 3, [](int x, int y, int z) { return (x + y + z) % 2 == 0; }),
   };
   return meshes;
 }
 }  // namespace
 
-TEST_CASE("condition: makes an oriented manifold of any damaged mesh and accounts for every part", "[condition]") {
+TEST_CASE("condition: makes an oriented manifold of any damaged mesh and accounts for every part",
+          "[condition]") {
   constexpr std::uint64_t kTrialsPerModel = 2000;
   std::size_t unrepeatable = 0, trials = 0;
   for (std::size_t model = 0; model < models().size(); ++model)

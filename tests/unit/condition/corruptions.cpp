@@ -62,7 +62,8 @@ void make_nan(TriangleMesh& mesh, Random& random) {
   mesh.positions[random.below(mesh.vertex_count())].y = std::numeric_limits<double>::quiet_NaN();
 }
 void break_index(TriangleMesh& mesh, Random& random) {
-  any_triangle(mesh, random)[random.below(3)] = static_cast<std::uint32_t>(mesh.vertex_count()) + random.below(9);
+  any_triangle(mesh, random)[random.below(3)] =
+      static_cast<std::uint32_t>(mesh.vertex_count()) + random.below(9);
 }
 void random_triangle(TriangleMesh& mesh, Random& random) {
   const std::uint32_t a = random.below(mesh.vertex_count()), b = random.below(mesh.vertex_count());

@@ -10,8 +10,9 @@
 
 namespace nmc::test {
 
-/// Does one to six random things to the mesh and says which: triangles deleted, doubled, turned, split at one edge
-/// only (T-junction), vertices merged, unshared, made NaN, indices out of range or random, slivers inserted.
+/// Does one to six random things to the mesh and says which: triangles deleted, doubled, turned, split at one
+/// edge only (T-junction), vertices merged, unshared, made NaN, indices out of range or random, slivers
+/// inserted.
 std::string corrupt(TriangleMesh& mesh, corpus::Random& random);
 
 }  // namespace nmc::test

@@ -24,7 +24,8 @@ std::string edge_fault(const TriangleMesh& mesh) {
   std::sort(directed.begin(), directed.end());
   for (std::size_t i = 1; i < directed.size(); ++i)
     if (directed[i] == directed[i - 1])
-      return fmt::format("two triangles run from vertex {} to vertex {}", directed[i].first, directed[i].second);
+      return fmt::format("two triangles run from vertex {} to vertex {}", directed[i].first,
+                         directed[i].second);
   return "";
 }
 
@@ -32,8 +33,8 @@ std::string openmesh_fault(const TriangleMesh& mesh) {
   OpenMesh::TriMesh_ArrayKernelT<> half_edges;
   std::vector<OpenMesh::VertexHandle> vertices;
   for (const Vec3& p : mesh.positions)
-    vertices.push_back(half_edges.add_vertex(
-        {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}));
+    vertices.push_back(
+        half_edges.add_vertex({static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}));
   for (std::size_t t = 0; t < mesh.triangle_count(); ++t) {
     const Triangle& c = mesh.triangles[t];
     if (!half_edges.add_face(vertices[c[0]], vertices[c[1]], vertices[c[2]]).is_valid())
@@ -77,7 +78,8 @@ std::string manifold_fault(const TriangleMesh& mesh) {
 std::string accounting_fault(const TriangleMesh& input, const ConditionedMesh& output) {
   const ConditionReport& report = output.report;
   const TriangleMesh& mesh = output.mesh;
-  if (output.source_vertex.size() != mesh.vertex_count() || output.stitched_vertex.size() != mesh.vertex_count())
+  if (output.source_vertex.size() != mesh.vertex_count() ||
+      output.stitched_vertex.size() != mesh.vertex_count())
     return "a vertex map has the wrong size";
   if (output.source_triangle.size() != mesh.triangle_count() ||
       output.component_of_triangle.size() != mesh.triangle_count())
@@ -91,10 +93,13 @@ std::string accounting_fault(const TriangleMesh& input, const ConditionedMesh& o
       if (std::bit_cast<std::uint64_t>(mesh.positions[v][k]) !=
           std::bit_cast<std::uint64_t>(input.positions[output.source_vertex[v]][k]))
         return fmt::format("vertex {} moved", v);
-    if (output.stitched_vertex[v] > v || output.stitched_vertex[output.stitched_vertex[v]] != output.stitched_vertex[v])
-      return fmt::format("vertex {} is stitched to {}, which is not the lowest", v, output.stitched_vertex[v]);
+    if (output.stitched_vertex[v] > v ||
+        output.stitched_vertex[output.stitched_vertex[v]] != output.stitched_vertex[v])
+      return fmt::format("vertex {} is stitched to {}, which is not the lowest", v,
+                         output.stitched_vertex[v]);
   }
-  const auto kept_vertices = static_cast<std::size_t>(std::count(vertex_is_kept.begin(), vertex_is_kept.end(), 1));
+  const auto kept_vertices =
+      static_cast<std::size_t>(std::count(vertex_is_kept.begin(), vertex_is_kept.end(), 1));
   const std::size_t accounted = kept_vertices + report.non_finite_vertices + report.unreferenced_vertices +
                                 report.welded_exactly + report.welded_nearby;
   if (accounted != input.vertex_count())
@@ -123,8 +128,8 @@ std::string accounting_fault(const TriangleMesh& input, const ConditionedMesh& o
   for (std::size_t t = 0; t < input.triangle_count(); ++t) {
     ++fates[static_cast<int>(output.fate[t])];
     if (is_dropped(output.fate[t]) == (triangle_is_kept[t] != 0))
-      return fmt::format("input triangle {} has fate {} and is {}in the output", t, static_cast<int>(output.fate[t]),
-                         triangle_is_kept[t] ? "" : "not ");
+      return fmt::format("input triangle {} has fate {} and is {}in the output", t,
+                         static_cast<int>(output.fate[t]), triangle_is_kept[t] ? "" : "not ");
   }
   for (int i = 0; i < kTriangleFateCount; ++i)
     if (fates[i] != report.triangles_by_fate[i])
@@ -134,9 +139,10 @@ std::string accounting_fault(const TriangleMesh& input, const ConditionedMesh& o
   for (const ConditionedComponent& c : report.components) {
     component_triangles += c.triangle_count;
     loops += c.boundary_loop_count;
-    if (!c.orientable || c.euler_characteristic() != 2 - 2 * c.genus - static_cast<long>(c.boundary_loop_count))
-      return fmt::format("component of triangle {}: Euler characteristic {}, genus {}, {} loops", c.first_triangle,
-                         c.euler_characteristic(), c.genus, c.boundary_loop_count);
+    if (!c.orientable ||
+        c.euler_characteristic() != 2 - 2 * c.genus - static_cast<long>(c.boundary_loop_count))
+      return fmt::format("component of triangle {}: Euler characteristic {}, genus {}, {} loops",
+                         c.first_triangle, c.euler_characteristic(), c.genus, c.boundary_loop_count);
   }
   if (component_triangles != mesh.triangle_count()) return "the components do not add up";
   if (loops != report.boundary_loops.size()) return "the boundary loops do not add up";
@@ -150,11 +156,13 @@ std::string difference(const TriangleMesh& a, const TriangleMesh& b) {
   for (std::size_t v = 0; v < a.vertex_count(); ++v)
     for (int k = 0; k < 3; ++k)
       if (std::bit_cast<std::uint64_t>(a.positions[v][k]) != std::bit_cast<std::uint64_t>(b.positions[v][k]))
-        return fmt::format("coordinate {} of vertex {}: {} against {}", k, v, a.positions[v][k], b.positions[v][k]);
+        return fmt::format("coordinate {} of vertex {}: {} against {}", k, v, a.positions[v][k],
+                           b.positions[v][k]);
   for (std::size_t t = 0; t < a.triangle_count(); ++t)
     if (a.triangles[t] != b.triangles[t])
-      return fmt::format("triangle {}: ({}, {}, {}) against ({}, {}, {})", t, a.triangles[t][0], a.triangles[t][1],
-                         a.triangles[t][2], b.triangles[t][0], b.triangles[t][1], b.triangles[t][2]);
+      return fmt::format("triangle {}: ({}, {}, {}) against ({}, {}, {})", t, a.triangles[t][0],
+                         a.triangles[t][1], a.triangles[t][2], b.triangles[t][0], b.triangles[t][1],
+                         b.triangles[t][2]);
   return "";
 }
 

@@ -13,15 +13,16 @@ namespace nmc::test {
 /// OpenMesh, which refuses what it cannot represent, is asked too.
 std::string manifold_fault(const TriangleMesh& mesh);
 
-/// The first way in which the maps, fates and counts do not account for every vertex and triangle of the input, or
+/// The first way in which the maps, fates and counts do not account for every vertex and triangle of the
+/// input, or
 /// "" if they do.
 std::string accounting_fault(const TriangleMesh& input, const ConditionedMesh& output);
 
 /// The first difference of positions or triangles, or "".
 std::string difference(const TriangleMesh& a, const TriangleMesh& b);
 
-/// A mesh of the shared corpus, found through NMC_CORPUS or beside the source tree. Missing files fail the test
-/// where the environment says CI, and are reported otherwise.
+/// A mesh of the shared corpus, found through NMC_CORPUS or beside the source tree. Missing files fail the
+/// test where the environment says CI, and are reported otherwise.
 bool read_corpus_mesh(const std::string& file, TriangleMesh& mesh);
 
 }  // namespace nmc::test
