@@ -65,6 +65,33 @@ TEST_CASE("read_mesh: says why a file cannot be opened or is empty", "[read_mesh
   }
 }
 
+/// Runs `body` with standard input coming from a pipe that holds `text`.
+template <class Body>
+void with_standard_input(const std::string& text, const Body& body) {
+  int ends[2];
+  REQUIRE(::pipe(ends) == 0);
+  REQUIRE(::write(ends[1], text.data(), text.size()) == static_cast<ssize_t>(text.size()));
+  ::close(ends[1]);
+  const int saved = ::dup(STDIN_FILENO);
+  REQUIRE(::dup2(ends[0], STDIN_FILENO) == STDIN_FILENO);
+  body();
+  ::dup2(saved, STDIN_FILENO);
+  ::close(saved);
+  ::close(ends[0]);
+}
+
+TEST_CASE("read_mesh: reads a pipe when the format is given or its first bytes tell", "[read_mesh]") {
+  ReadOptions options;
+  options.format = MeshFormat::kObj;
+  std::string message;
+  with_standard_input(kObjText, [&] { CHECK(read_mesh("-", options).triangle_count() == 1); });
+  with_standard_input(kOffText, [&] { CHECK(read_mesh("-").triangle_count() == 1); });
+  with_standard_input(kObjText, [&] { CHECK(code_of("-", message) == ExitCode::kUsage); });
+  CHECK_THAT(message, Catch::Matchers::StartsWith("standard input: the format cannot be told"));
+  with_standard_input("OFF\n1 1\n", [&] { CHECK(code_of("-", message) == ExitCode::kInvalidInput); });
+  CHECK_THAT(message, Catch::Matchers::StartsWith("standard input: line 2: "));
+}
+
 TEST_CASE("read_mesh: a glTF file finds its buffer beside it, and none elsewhere", "[read_mesh][gltf]") {
   const Folder folder;
   const auto document = [](const std::string& uri) {

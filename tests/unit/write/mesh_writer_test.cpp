@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -331,6 +332,22 @@ TEST_CASE("write_mesh: writes devices and pipes in place", "[write][output]") {
   const Sample sample;
   REQUIRE(write_mesh("/dev/null", sample.view(false), OutputFormat::kPly).message == "");
   CHECK(fs::is_character_file("/dev/null"));
+}
+
+TEST_CASE("write_mesh: writes to standard output", "[write][output]") {
+  const Folder folder;
+  const Sample sample;
+  const std::string piped = folder / "piped.ply", direct = folder / "direct.ply";
+  std::fflush(stdout);
+  const int saved = ::dup(STDOUT_FILENO);
+  REQUIRE(std::freopen(piped.c_str(), "wb", stdout) != nullptr);
+  const WriteStatus status = write_mesh("-", sample.view(false), OutputFormat::kPly);
+  std::fflush(stdout);
+  ::dup2(saved, STDOUT_FILENO);
+  ::close(saved);
+  CHECK(status.message == "");
+  REQUIRE(write_mesh(direct, sample.view(false), OutputFormat::kPly).message == "");
+  CHECK(content(piped) == content(direct));
 }
 
 TEST_CASE("output_format_from_name: knows the extensions in any case", "[write]") {
