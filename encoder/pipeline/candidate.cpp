@@ -39,6 +39,7 @@ Candidate::Candidate(std::shared_ptr<const Parameterization> parameterization, c
   const DomainParameterizedSurface surface(map);
   InterpolatingOptions interpolating;
   interpolating.level_count = options.coded_level_count;
+  interpolating.tension = options.tension;
   InterpolatingResult interpolated = interpolate(surface, *state.index, base_of(map), interpolating);
   for (const LevelStatistics& level : interpolated.levels) {
     state.statistics.odd_vertex_count += level.vertex_count;

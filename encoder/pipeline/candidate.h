@@ -29,6 +29,8 @@ struct CandidateOptions {
   int smoothing_level_count = 0;
   int samples_per_face_side = 3;
   int reprojection_count = 1;
+  /// Share of the butterfly's correction in the prediction: 1 on smooth surfaces, 0 (midpoints) where planes meet.
+  double tension = 1;
 };
 
 /// Figures of a candidate before quantization.

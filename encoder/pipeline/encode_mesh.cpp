@@ -73,6 +73,39 @@ SearchPlan plan_of(int effort) {
   return kPlans[std::clamp(effort, 1, 9) - 1];
 }
 
+constexpr std::size_t kLargestBase = 60000;
+
+/// Share of the inner edges whose faces meet at more than 30 degrees. A scan has a few percent of them at most, and
+/// noise; a machine part has many along its creases.
+double sharp_edge_share(const TriangleMesh& mesh) {
+  struct Side {
+    std::uint32_t low, high, triangle;
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * mesh.triangle_count());
+  for (std::uint32_t f = 0; f < mesh.triangle_count(); ++f) {
+    const Triangle& t = mesh.triangles[f];
+    for (std::size_t k = 0; k < 3; ++k)
+      sides.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3]), f});
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+    if (a.low != b.low) return a.low < b.low;
+    return a.high != b.high ? a.high < b.high : a.triangle < b.triangle;
+  });
+  const auto normal = [&](std::uint32_t f) {
+    const Triangle& t = mesh.triangles[f];
+    const Vec3& a = mesh.positions[t[0]];
+    return normalized(cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a));
+  };
+  std::size_t inner = 0, sharp = 0;
+  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+    if (sides[i].low != sides[i + 1].low || sides[i].high != sides[i + 1].high) continue;
+    ++inner;
+    sharp += dot(normal(sides[i].triangle), normal(sides[i + 1].triangle)) < 0.8660254037844386;
+  }
+  return inner ? static_cast<double>(sharp) / static_cast<double>(inner) : 0;
+}
+
 class MeshEncoder {
  public:
   MeshEncoder(const TriangleMesh& input, const EncodeOptions& options)
@@ -113,12 +146,13 @@ class MeshEncoder {
 
     clock_.start("collapse");
     report(options_.progress, "base mesh", 0);
-    const int largest = static_cast<int>(std::min<std::size_t>(surface_.vertex_count(), 8000));
+    // The largest base is the surface itself: with it every error can be reached.
+    const int largest = static_cast<int>(std::min<std::size_t>(surface_.vertex_count(), kLargestBase));
     if (options_.base_vertex_count) {
-      base_sizes_ = {*options_.base_vertex_count};
+      base_sizes_ = {std::min(*options_.base_vertex_count, static_cast<int>(surface_.vertex_count()))};
     } else {
-      for (double size = 32; size < largest; size *= 1.5) base_sizes_.push_back(static_cast<int>(size));
-      if (base_sizes_.empty()) base_sizes_.push_back(largest);
+      for (double size = 32; size < 0.8 * largest; size *= 1.5) base_sizes_.push_back(static_cast<int>(size));
+      base_sizes_.push_back(largest);
     }
     CollapseOptions collapse;
     collapse.crease_angle_degrees = options_.crease_angle_degrees;
@@ -170,6 +204,7 @@ class MeshEncoder {
     clock_.start("normal mesh and fit");
     CandidateOptions candidate;
     candidate.coded_level_count = level_count_for(base_index);
+    candidate.tension = tension_;
     outcome.candidate =
         std::make_unique<Candidate>(outcome.parameterization, reference_, candidate, options_.progress);
     clock_.start("quantize");
@@ -204,18 +239,27 @@ class MeshEncoder {
     std::size_t index = first_base_index();
     best_ = evaluate(index);
     int left = plan_.extra_candidates;
+    // Butterflies swing beyond creases: where there are many, midpoints may predict better.
+    if (sharp_edge_share(surface_) > 0.025) {
+      tension_ = 0;
+      Outcome flat = evaluate(index);
+      if (better(flat, best_))
+        best_ = std::move(flat);
+      else
+        tension_ = 1;
+    }
     // A target out of reach: more base vertices see more features, another level resolves them.
-    for (int tries = 0; !best_.met && tries < 3 + plan_.extra_candidates; ++tries) {
+    while (!best_.met && !(options_.base_vertex_count && options_.level_count)) {
+      if (index + 1 == base_sizes_.size() && finer_ > 16) break;
       step_guess_ = 0;
-      if (best_.base_index + 1 < base_sizes_.size()) {
-        index = std::min(best_.base_index + 2, base_sizes_.size() - 1);
+      index = std::min(index + (plan_.extra_candidates > 1 ? 2 : 3), base_sizes_.size() - 1);
+      finer_ *= options_.level_count ? 4 : 1.6;
+      if (index + 1 == base_sizes_.size() && base_sizes_.back() == static_cast<int>(surface_.vertex_count())) {
+        tension_ = 0;  // the base is the surface itself: nothing is left to predict
+        finer_ = 32;
       }
-      finer_ *= options_.level_count ? 1 : 1.6;
       Outcome next = evaluate(index);
-      const bool improved = better(next, best_);
-      if (improved) best_ = std::move(next);
-      if (!improved && tries > 0) break;
-      if (options_.base_vertex_count && options_.level_count) break;
+      if (better(next, best_)) best_ = std::move(next);
     }
     if (!best_.met) return;
     for (const int direction : {1, -1}) {
@@ -268,6 +312,7 @@ class MeshEncoder {
   std::vector<int> base_sizes_;
   std::optional<CollapseHistory> history_;
   double finer_ = 1;
+  double tension_ = 1;
   double step_guess_ = 0;
   Outcome best_;
 };
