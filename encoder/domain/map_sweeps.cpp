@@ -5,7 +5,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 
 #include "encoder/core/parallel.h"
 
@@ -111,7 +110,7 @@ void relax_vertex(SurfaceMap& map, const EnergyWeights& weights, const Targets& 
 
 }  // namespace
 
-std::vector<double> domain_scale(const SurfaceMap& map) {
+std::vector<double> domain_scale(const SurfaceMap& map, int smoothing) {
   const CornerTable& table = map.table();
   const BaseDomain& domain = map.domain();
   std::vector<double> area(domain.face_count(), 0), total(domain.component_count(), 0);
@@ -131,8 +130,7 @@ std::vector<double> domain_scale(const SurfaceMap& map) {
     const double mean = total[domain.component(f)] / count[domain.component(f)];
     area[f] = std::log(mean > 0 ? std::max(area[f], 0.05 * mean) : 1.0);
   }
-  static const int P = getenv("PASS") ? atoi(getenv("PASS")) : 3;
-  for (int pass = 0; pass < P; ++pass) {
+  for (int pass = 0; pass < smoothing; ++pass) {
     std::vector<double> smooth(area.size());
     for (std::uint32_t f = 0; f < domain.face_count(); ++f) {
       double sum = 2 * area[f], weight = 2;

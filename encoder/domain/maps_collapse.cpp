@@ -22,6 +22,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// squared.
 constexpr double kChainWeight = 10;
 constexpr int kMaximumValence = 9;
+/// Of boundary vertices, in faces including the two ghosts: their faces then span at most 300 degrees of the
+/// domain, and a vertex that splits off on the way back finds room.
+constexpr int kMaximumBoundaryValence = 7;
 /// Faces may turn by at most this between before and after a collapse (cosine of 78 degrees).
 constexpr double kMinimumTurnCosine = 0.2;
 /// Collapses that make a vertex of valence v multiply their cost by this, so that bases have few of them.
@@ -215,6 +218,8 @@ class Collapser {
 
   bool valences_allow(std::uint32_t v, std::uint32_t u, std::uint32_t a, std::uint32_t b) const {
     const int merged = valence_[v] + valence_[u] - 4;
+    if (merged > kMaximumBoundaryValence && merged > valence_[u] && table_.is_boundary_vertex(u))
+      return false;
     if (merged > kMaximumValence + (strict_ ? 0 : 3) && merged > valence_[u]) return false;
     for (const std::uint32_t w : {a, b}) {
       const bool free = table_.is_ghost_vertex(w) || history_.kinds[w] != VertexKind::kSmooth;

@@ -42,9 +42,9 @@ struct CollapseHistory {
   CornerTable coarsest;                    // after all steps
   std::vector<CornerTable::Corner> steps;  // arguments of CornerTable::collapse, in order
   std::vector<std::size_t>
-      base_step_counts;                      // how many steps lead to each requested base, in the order asked
-  std::vector<VertexKind> kinds;             // per surface vertex
-  std::vector<std::uint8_t> extremities;      // per surface vertex: 1 where it is the tip of a limb; may be empty
+      base_step_counts;                   // how many steps lead to each requested base, in the order asked
+  std::vector<VertexKind> kinds;          // per surface vertex
+  std::vector<std::uint8_t> extremities;  // per surface vertex: 1 where it is the tip of a limb; may be empty
   std::vector<std::uint8_t> crease_corners;  // per corner: 1 where the edge opposite it is a crease
 
   /// True where the edge opposite c is on the boundary or on a crease of the table's present state.

@@ -20,8 +20,11 @@ struct RelaxationOptions {
   double dirichlet_weight = 1;
   double area_weight = 4;
   double barrier_weight = 0;
+  /// Target areas follow curvature^(2 * density_exponent), up to maximum_density times the flattest places'.
   double density_exponent = 0.33;
   double maximum_density = 16;
+  /// Target areas are evened out over about this many rings of base faces, not over the whole surface.
+  int scale_smoothing = 10;
   int sweeps_per_level = 4;
   int final_sweeps = 8;
 };

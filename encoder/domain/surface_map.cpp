@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 
@@ -13,6 +12,9 @@ namespace nmc {
 namespace {
 
 using Corner = CornerTable::Corner;
+
+/// Cones at tips may slide by this share of their shortest base edge.
+constexpr double kTipSlide = 0.4;
 
 std::size_t slot(Corner c) { return c % 3; }
 
@@ -59,8 +61,8 @@ bool kernel_point(const std::vector<SurfaceMap::StarTriangle>& link, ChartPoint&
 
 }  // namespace
 
-SurfaceMap::SurfaceMap(const CollapseHistory& history, std::size_t base_index)
-    : history_(history), table_(history.coarsest), steps_left_(history.base_step_counts[base_index]) {
+SurfaceMap::SurfaceMap(const CollapseHistory& history, std::size_t step_count)
+    : history_(history), table_(history.coarsest), steps_left_(step_count) {
   for (std::size_t i = history.steps.size(); i > steps_left_; --i) table_.undo_collapse(history.steps[i - 1]);
   build_domain();
 }
@@ -121,7 +123,6 @@ bool SurfaceMap::leaves_tip(std::uint32_t cone, std::uint32_t v) const {
 }
 
 void SurfaceMap::limit_slides() {
-  static const double kR = getenv("SR") ? atof(getenv("SR")) : 0.25;
   homes_ = base_vertices_;
   slide_radius_.assign(base_vertices_.size(), -1);
   if (history_.extremities.empty()) return;
@@ -132,7 +133,7 @@ void SurfaceMap::limit_slides() {
     for (const std::uint32_t f : domain_.faces_around(i))
       for (const std::uint32_t w : domain_.face(f))
         if (w != i) shortest = std::min(shortest, distance(position(v), position(base_vertices_[w])));
-    slide_radius_[i] = kR * shortest;
+    slide_radius_[i] = kTipSlide * shortest;
   }
 }
 

@@ -21,8 +21,8 @@ class SurfaceMap {
  public:
   using Corner = CornerTable::Corner;
 
-  /// The map of base number `base_index` onto itself: undoes the steps beyond it.
-  SurfaceMap(const CollapseHistory& history, std::size_t base_index);
+  /// The map of the base that the first `step_count` steps lead to onto itself: undoes the steps beyond.
+  SurfaceMap(const CollapseHistory& history, std::size_t step_count);
 
   const CornerTable& table() const { return table_; }
   const BaseDomain& domain() const { return domain_; }
