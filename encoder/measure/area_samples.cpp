@@ -22,7 +22,8 @@ AreaSamples::AreaSamples(const std::vector<Vec3>& positions, const std::vector<T
   double area = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     const Vec3& a = positions[triangles[t][0]];
-    area += 0.5 * norm(cross(positions[triangles[t][1]] - a, positions[triangles[t][2]] - a));
+    const double own = 0.5 * norm(cross(positions[triangles[t][1]] - a, positions[triangles[t][2]] - a));
+    if (std::isfinite(own)) area += own;
     cumulated_area_[t] = area;
   }
   if (!(area > 0)) count_ = 0;

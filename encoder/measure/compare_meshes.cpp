@@ -103,7 +103,7 @@ std::vector<std::uint32_t> used_vertices(const TriangleMesh& mesh) {
   }
   std::vector<std::uint32_t> vertices;
   for (std::uint32_t v = 0; v < used.size(); ++v) {
-    if (used[v] != 0) vertices.push_back(v);
+    if (used[v] != 0 && is_finite(mesh.positions[v])) vertices.push_back(v);
   }
   return vertices;
 }
@@ -190,9 +190,26 @@ void turn_normals(OneSidedDistance& side) {
   side.normal_rms_degrees = std::sqrt(std::max(0.0, 180.0 * 180.0 - 360.0 * mean + rms * rms));
 }
 
+// Of the finite vertices that a finite triangle uses; an empty box (minimum above maximum) where there is
+// none.
+BoundingBox finite_box(const TriangleMesh& mesh) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  BoundingBox box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
+  for (const Triangle& triangle : mesh.triangles) {
+    const Vec3 &a = mesh.positions[triangle[0]], &b = mesh.positions[triangle[1]],
+               &c = mesh.positions[triangle[2]];
+    if (!is_finite(a) || !is_finite(b) || !is_finite(c)) continue;
+    for (int i = 0; i < 3; ++i) {
+      box.minimum[i] = std::min({box.minimum[i], a[i], b[i], c[i]});
+      box.maximum[i] = std::max({box.maximum[i], a[i], b[i], c[i]});
+    }
+  }
+  return box;
+}
+
 // A volume exists independently of the origin exactly when the triangles' area vectors cancel out.
 std::optional<double> enclosed_volume(const TriangleMesh& mesh) {
-  const Vec3 origin = bounding_box(mesh).center();
+  const Vec3 origin = finite_box(mesh).center();
   struct Terms {
     Vec3 area_vector;
     double area = 0, volume = 0;
@@ -210,7 +227,7 @@ std::optional<double> enclosed_volume(const TriangleMesh& mesh) {
     const Vec3 area_vector = 0.5 * cross(b - a, c - a);
     return Terms{area_vector, norm(area_vector), dot(a, cross(b, c)) / 6};
   });
-  if (norm(total.area_vector) > 1e-9 * total.area) return std::nullopt;
+  if (!(norm(total.area_vector) <= 1e-9 * total.area)) return std::nullopt;
   return total.volume;
 }
 
@@ -225,13 +242,16 @@ double CompareResult::psnr_db() const { return 20 * std::log10(diagonal / rms); 
 
 CompareResult compare_meshes(const TriangleMesh& original, const TriangleMesh& result,
                              const CompareOptions& options) {
-  if (original.triangles.empty())
+  const BoundingBox original_box = finite_box(original), result_box = finite_box(result);
+  if (original_box.minimum.x > original_box.maximum.x) {
     throw Error(ExitCode::kInvalidInput, "the original has no triangles to measure");
-  if (result.triangles.empty())
+  }
+  if (result_box.minimum.x > result_box.maximum.x) {
     throw Error(ExitCode::kInvalidInput, "the result has no triangles to measure");
+  }
 
   CompareResult comparison;
-  comparison.diagonal = bounding_box(original).diagonal();
+  comparison.diagonal = original_box.diagonal();
   OneSidedDistance& forward = comparison.original_to_result;
   OneSidedDistance& backward = comparison.result_to_original;
   if (options.original_to_result) forward = one_sided(original, result, SurfaceIndex(result), options);

@@ -61,6 +61,10 @@ struct IndexData {
   }
 
   Vec3 to_local(const Vec3& p) const { return scale * (p - center); }
+  bool is_finite(const Triangle& triangle) const {
+    return nmc::is_finite(positions[triangle[0]]) && nmc::is_finite(positions[triangle[1]]) &&
+           nmc::is_finite(positions[triangle[2]]);
+  }
   void build();
   bool share_a_corner(std::uint32_t first, std::uint32_t second) const;
   void merge_hits(double tolerance, std::vector<SurfacePoint>& hits) const;
@@ -69,10 +73,17 @@ struct IndexData {
 void triangle_bounds(const RTCBoundsFunctionArguments* arguments) {
   const auto& data = *static_cast<const IndexData*>(arguments->geometryUserPtr);
   const Triangle& triangle = data.triangles[arguments->primID];
+  RTCBounds& bounds = *arguments->bounds_o;
+  if (!data.is_finite(triangle)) {
+    // An empty box: Embree leaves the triangle out.
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    bounds.lower_x = bounds.lower_y = bounds.lower_z = kFar;
+    bounds.upper_x = bounds.upper_y = bounds.upper_z = -kFar;
+    return;
+  }
   const Vec3 a = data.to_local(data.positions[triangle[0]]);
   const Vec3 b = data.to_local(data.positions[triangle[1]]);
   const Vec3 c = data.to_local(data.positions[triangle[2]]);
-  RTCBounds& bounds = *arguments->bounds_o;
   bounds.lower_x = static_cast<float>(std::min({a.x, b.x, c.x})) - kBoxMargin;
   bounds.lower_y = static_cast<float>(std::min({a.y, b.y, c.y})) - kBoxMargin;
   bounds.lower_z = static_cast<float>(std::min({a.z, b.z, c.z})) - kBoxMargin;
@@ -137,7 +148,7 @@ bool consider_triangle(PointQuery& query, std::uint32_t index) {
   const Triangle& triangle = data.triangles[index];
   const TrianglePoint candidate = closest_point_on_triangle(
       query.point, data.positions[triangle[0]], data.positions[triangle[1]], data.positions[triangle[2]]);
-  if (candidate.squared_distance > query.best.squared_distance) return false;
+  if (!(candidate.squared_distance <= query.best.squared_distance)) return false;
   const bool nearer = candidate.squared_distance < query.best.squared_distance;
   if (!nearer && index > query.best_triangle) return false;
   query.best = candidate;
@@ -174,8 +185,10 @@ bool clip_to_box(const Vec3& origin, const Vec3& direction, const Vec3& center, 
 
 void IndexData::build() {
   if (triangles.empty()) return;
-  Vec3 low = positions[triangles[0][0]], high = low;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Vec3 low{kInfinity, kInfinity, kInfinity}, high = -low;
   for (const Triangle& triangle : triangles) {
+    if (!is_finite(triangle)) continue;
     for (const std::uint32_t corner : triangle) {
       const Vec3& p = positions[corner];
       for (int i = 0; i < 3; ++i) {
@@ -184,6 +197,7 @@ void IndexData::build() {
       }
     }
   }
+  if (!(low.x <= high.x)) return;
   center = 0.5 * low + 0.5 * high;
   half_extent = 0.5 * high - 0.5 * low;
   const double largest = std::max({half_extent.x, half_extent.y, half_extent.z});

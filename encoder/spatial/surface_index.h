@@ -28,7 +28,8 @@ struct SurfacePoint {
 };
 
 /// Immutable after construction; all queries may run concurrently. Keeps its own copy of the geometry.
-/// Memory: about 100 bytes per triangle. Construction O(n log n).
+/// Triangles with a corner that is not finite are never found. Memory: about 100 bytes per triangle.
+/// Construction O(n log n).
 class SurfaceIndex {
  public:
   explicit SurfaceIndex(const TriangleMesh& mesh);

@@ -256,6 +256,24 @@ TEST_CASE("meshes without triangles are refused and meshes without area measured
   CHECK_THROWS_AS(compare_meshes(line, TriangleMesh()), Error);
 }
 
+TEST_CASE("vertices that are not numbers and their triangles are left out") {
+  const TriangleMesh clean = sphere(3, 1);
+  TriangleMesh damaged = clean;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  damaged.positions.push_back({nan, 0, 0});
+  damaged.positions.push_back({0, std::numeric_limits<double>::infinity(), 0});
+  const auto first = static_cast<std::uint32_t>(clean.vertex_count());
+  damaged.triangles.insert(damaged.triangles.begin(), {Triangle{first, 0, 1}, Triangle{first + 1, 2, 3}});
+  for (const CompareResult& compared : {compare_meshes(damaged, clean), compare_meshes(clean, damaged)}) {
+    CHECK(compared.maximum == Approx(0).margin(1e-15));
+    CHECK(compared.diagonal == Approx(2 * std::sqrt(3.0)));
+    CHECK(compared.original_to_result.sample_count == 200'000);
+  }
+  TriangleMesh lost = damaged;
+  lost.triangles.resize(2);
+  CHECK_THROWS_AS(compare_meshes(clean, lost), Error);
+}
+
 TEST_CASE("area samples are spread by area and stay inside their triangles") {
   const TriangleMesh mesh = noisy(sphere(2, 1), 0.1, 9);
   const AreaSamples samples(mesh.positions, mesh.triangles, 100'000);
