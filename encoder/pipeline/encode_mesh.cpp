@@ -186,6 +186,7 @@ class MeshEncoder {
 
   int level_count_for(std::size_t base_index) const {
     if (options_.level_count) return *options_.level_count;
+    if (base_sizes_[base_index] >= static_cast<int>(surface_.vertex_count())) return 1;
     // As many vertices as the error asks of a smooth surface, but no more than the input can fill.
     const double vertices = static_cast<double>(surface_.vertex_count());
     const double error = relative_target();
@@ -256,7 +257,7 @@ class MeshEncoder {
       finer_ *= options_.level_count ? 4 : 1.6;
       if (index + 1 == base_sizes_.size() && base_sizes_.back() == static_cast<int>(surface_.vertex_count())) {
         tension_ = 0;  // the base is the surface itself: nothing is left to predict
-        finer_ = 32;
+        finer_ = 32;   // and nothing is left to try
       }
       Outcome next = evaluate(index);
       if (better(next, best_)) best_ = std::move(next);
