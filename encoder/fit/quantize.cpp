@@ -76,6 +76,7 @@ class Quantization {
     // What may never move (along a boundary) is not coded either.
     for (std::size_t i = layout_.tangential_begin.front(); i < layout_.count; ++i)
       if (!active_[i]) values_[i] = 0;
+    if (previous) start_at(*previous);
     const int finest = layout_.coded_level_count - 1;
     double curvature = 0;
     const LevelTopology& topology = hierarchy.level(finest);
@@ -133,7 +134,9 @@ class Quantization {
     minimize.maximum_outer = outer;
     minimize.maximum_inner = inner;
     minimize.inner_tolerance = tolerance;
-    system_.minimize(active_, minimize, values_);
+    const bool anchored = !previous_values_.empty() && options_.refinement_weight > 0;
+    if (anchored) update_anchor();
+    system_.minimize(active_, minimize, values_, anchored ? &anchor_ : nullptr);
   }
 
   void round_base() {
@@ -254,6 +257,55 @@ class Quantization {
   }
 
  private:
+  /// A refinement starts where the previous layer ended, and so moves only where the error asks for it.
+  void start_at(const QuantizedMesh& previous) {
+    for (std::size_t v = 0; v < layout_.base_vertex_count; ++v)
+      for (std::size_t k = 0; k < 3; ++k)
+        values_[3 * v + k] =
+            previous.base_origin[static_cast<int>(k)] + previous.base_step * previous.base_coordinates[v][k];
+    for (int l = 0; l < layout_.coded_level_count; ++l) {
+      const auto level = static_cast<std::size_t>(l);
+      for (std::size_t e = 0; e < previous.normal[level].size(); ++e)
+        values_[layout_.normal_begin[level] + e] =
+            previous.quantizers[level].normal_step * previous.normal[level][e];
+      auto next = previous.tangential[level].begin();
+      for (std::size_t i = 0; i < layout_.tangential_edges[level].size(); ++i) {
+        double* t = values_.data() + layout_.tangential_begin[level] + 2 * i;
+        t[0] = t[1] = 0;
+        if (next == previous.tangential[level].end() || next->edge != layout_.tangential_edges[level][i])
+          continue;
+        t[0] = previous.quantizers[level].tangential_step * next->along;
+        t[1] = previous.quantizers[level].tangential_step * next->across;
+        ++next;
+      }
+    }
+  }
+  /// The rate's share of the quadratic at the present values: dR/d|q| = weight / (1 + |q|) as a pull towards
+  /// the resting value, reweighted with every solve.
+  void update_anchor() {
+    anchor_.weight.assign(layout_.count, 0.0);
+    anchor_.center.assign(layout_.count, 0.0);
+    const double scale = lambda_ * options_.refinement_weight;
+    const auto pull = [&](std::size_t i, double center, double delta) {
+      const double q = std::abs(values_[i] - center) / delta;
+      anchor_.center[i] = center;
+      anchor_.weight[i] = scale / ((1 + q) * std::max(q, 0.5) * delta * delta);
+    };
+    for (int l = 0; l < layout_.coded_level_count; ++l) {
+      const std::size_t begin = layout_.normal_begin[static_cast<std::size_t>(l)];
+      const std::size_t vertex_count = hierarchy_.level(l).vertex_count;
+      for (std::size_t e = 0; e < hierarchy_.level(l).edge_count; ++e) {
+        if (!active_[begin + e]) continue;
+        pull(begin + e, previous_values_.empty() ? 0.0 : previous_values_[vertex_count + e] * step(l),
+             step(l));
+      }
+    }
+    if (previous_coordinates_.empty()) return;
+    for (std::size_t v = 0; v < layout_.base_vertex_count; ++v)
+      for (std::size_t k = 0; k < 3; ++k)
+        pull(3 * v + k, options_.base_origin[static_cast<int>(k)] + base_step() * previous_coordinates_[v][k],
+             base_step());
+  }
   void store_level(int l) {
     const std::size_t begin = layout_.normal_begin[static_cast<std::size_t>(l)];
     const std::size_t vertex_count = hierarchy_.level(l).vertex_count;
@@ -305,6 +357,7 @@ class Quantization {
   ContextRateModel rates_;
   std::vector<std::array<std::int32_t, 3>> coordinates_;
   double lambda_ = 0;
+  Anchor anchor_;
 };
 
 }  // namespace
@@ -348,6 +401,7 @@ QuantizedMesh MeshQuantizer::run(const QuantizeOptions& options, const Quantized
     system.set_samples(samples, positions, state.energy_options);
     state.at_start = false;
   };
+  if (previous) run.minimize(3, 30, 0.05);
   for (int round = 0; round < options.active_set_rounds; ++round) {
     run.shrink(options.dead_zone * (round == 0 ? 0.8 : 1.0));
     if (round > 0) reproject();
