@@ -76,6 +76,12 @@ class Candidate {
 
   Trial quantize(double normal_step, const StreamDescription& description, const TrialOptions& options);
 
+  /// Places where `trial` is farther from the input than 0.7 of `tolerance` get weight in the fit, more each time
+  /// they are met again; the mesh is fitted anew, and correspondences stay as they are from now on. How many input
+  /// and mesh vertices were beyond `tolerance` is returned. For targets on the maximum error: least squares alone
+  /// does not care about a single spike.
+  std::size_t emphasize(const Trial& trial, double tolerance);
+
   /// The final stream of a trial, all rows measured.
   StreamBytes finish(const Trial& trial, const StreamDescription& description);
 

@@ -19,12 +19,51 @@ double target_ratio(const Target& target, const Trial& trial) {
   return 0;
 }
 
+namespace {
+
+/// The maximum depends on a handful of places, and hardly on the step until that is far too fine. So the step follows
+/// the number of places beyond the tolerance, and the places themselves get weight in the fit.
+TargetSearchResult search_maximum_error(Candidate& candidate, const Target& target,
+                                        const StreamDescription& description, double first_step,
+                                        const TargetSearchOptions& options) {
+  TargetSearchResult result;
+  double step = first_step;
+  for (int i = 0; i < 2 * options.maximum_trials; ++i) {
+    Trial trial = candidate.quantize(step, description, options.trial);
+    Trial record = trial;
+    record.mesh = {};
+    result.trials.push_back(std::move(record));
+    const double ratio = target_ratio(target, trial);
+    if (ratio <= 1) {
+      const bool cheaper = !result.best || trial.byte_count < result.best->byte_count;
+      if (!cheaper) break;
+      result.best = std::move(trial);
+      if (i + 1 >= options.maximum_trials) break;
+      step *= 1.3;
+      continue;
+    }
+    const double nearest = result.nearest ? target_ratio(target, *result.nearest) : 0;
+    const std::size_t vertex_count = candidate.hierarchy().level(candidate.hierarchy().level_count()).vertex_count;
+    const std::size_t beyond = candidate.emphasize(trial, target.value);
+    if (!result.nearest || ratio < nearest) result.nearest = std::move(trial);
+    if (result.best) break;  // a coarser step fails
+    const bool many = static_cast<double>(beyond) > 2e-4 * static_cast<double>(vertex_count);
+    step *= many ? 0.62 : 0.88;
+  }
+  return result;
+}
+
+}  // namespace
+
 TargetSearchResult search_target(Candidate& candidate, const Target& target, const StreamDescription& description,
                                  double first_step, const TargetSearchOptions& options) {
+  if (target.kind == TargetKind::kMaximumError) {
+    return search_maximum_error(candidate, target, description, first_step, options);
+  }
   TargetSearchResult result;
   const bool is_size = target.kind == TargetKind::kSize;
   // Error grows with the step, size falls with it; `exponent` is the usual power.
-  const double exponent = is_size ? -0.65 : target.kind == TargetKind::kRmsError ? 0.62 : 0.5;
+  const double exponent = is_size ? -0.65 : 0.62;
   struct Point {
     double log_step, log_ratio;
   };
