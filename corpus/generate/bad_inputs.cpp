@@ -128,7 +128,7 @@ std::vector<BadInput> bad_inputs() {
   {
     TriangleMesh broken = icosphere(3);
     broken.triangles[17][1] = 4000000000u;
-    mesh("index_out_of_range", Expected::kEncoded, std::move(broken));
+    mesh("index_out_of_range", Expected::kRefused, std::move(broken));
   }
   {
     TriangleMesh only_bad = icosphere(1);

@@ -10,7 +10,7 @@
 
 namespace nmc::corpus {
 
-/// What a tool has to do with an input.
+/// What a tool has to do with the file of an input.
 enum class Expected {
   kEncoded,  // there is a surface in it
   kRefused,  // exit code 3 and a reason

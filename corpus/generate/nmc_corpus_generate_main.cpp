@@ -74,8 +74,7 @@ void list_shapes() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
-      "Writes generated meshes. The same arguments give the same bytes on every machine with IEEE doubles.");
+  CLI::App app("Writes generated meshes. Deterministic: the same arguments give the same bytes.");
   app.require_subcommand(1);
   Arguments arguments;
   CLI::App* list = app.add_subcommand("list", "names of the generated shapes, and what each is hard for");
