@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoder/pipeline/candidate.h"
 
-#include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
-#include "encoder/core/parallel.h"
 #include "encoder/measure/compare_meshes.h"
 #include "encoder/normal_mesh/sample_correspondences.h"
+#include "encoder/pipeline/maximum_repair.h"
 #include "encoder/pipeline/renumber.h"
 
 namespace nmc {
@@ -23,8 +21,6 @@ struct Candidate::State {
   std::unique_ptr<InputSurface> input;
   std::vector<std::uint8_t> base_creases;
   NormalMesh mesh;                          // in stream order, fitted
-  std::vector<SurfaceSample> samples;       // of the fit
-  std::map<std::uint32_t, float> input_emphasis, mesh_emphasis;  // vertex -> weight in mean sample weights
   std::unique_ptr<MeshQuantizer> quantizer;
 };
 
@@ -76,8 +72,7 @@ Candidate::Candidate(std::shared_ptr<const Parameterization> parameterization, c
   fit.coded_level_count = options.coded_level_count;
   fit.reprojection_count = options.reprojection_count;
   state.statistics.fit = global_fit(fit, state.input.get(), samples, state.mesh);
-  state.samples = std::move(samples);
-  state.quantizer = std::make_unique<MeshQuantizer>(state.mesh, options.coded_level_count, state.samples,
+  state.quantizer = std::make_unique<MeshQuantizer>(state.mesh, options.coded_level_count, std::move(samples),
                                                     state.input.get());
   report(progress, "fit", 1);
 }
@@ -125,84 +120,26 @@ Trial Candidate::quantize(double normal_step, const StreamDescription& descripti
   quantize.base_step_factor = std::exp2((options.eighths_per_level - options.eighths_base_to_level_0) / 8.0);
   quantize.base_origin = stream_origin(trial.steps, description.box.minimum).position(trial.steps);
   quantize.lambda_factor = options.lambda_factor;
-  if (!state_->input_emphasis.empty() || !state_->mesh_emphasis.empty()) quantize.reprojection_count = 0;
   trial.normal_step = quantize.normal_step;
   trial.mesh = state_->quantizer->quantize(quantize);
-  const StreamBytes stream = serialize(trial.mesh, hierarchy(), base_creases(), trial.steps, description);
-  trial.byte_count = stream.bytes.size();
-  const int level = hierarchy().level_count();
-  trial.error = measure(reconstruct(trial.mesh, hierarchy(), level), level,
-                        static_cast<std::size_t>(options.measure_sample_count));
+  assess(description, options, trial);
   return trial;
 }
 
-std::size_t Candidate::emphasize(const Trial& trial, double tolerance) {
-  State& state = *state_;
+void Candidate::assess(const StreamDescription& description, const TrialOptions& options, Trial& trial) const {
+  trial.byte_count = serialize(trial.mesh, hierarchy(), base_creases(), trial.steps, description).bytes.size();
   const int level = hierarchy().level_count();
-  const TriangleMesh& input = state.reference->mesh;
-  const std::vector<Vec3> positions = reconstruct(trial.mesh, hierarchy(), level);
-  const std::vector<Triangle> faces = level_triangles(hierarchy().level(level));
-  const SurfaceIndex result(positions, faces);
-  std::vector<std::uint32_t> face_of_vertex(positions.size(), kNoTriangle);
-  for (std::uint32_t f = 0; f < faces.size(); ++f)
-    for (const std::uint32_t v : faces[f]) face_of_vertex[v] = f;
+  trial.error = measure(reconstruct(trial.mesh, hierarchy(), level), level,
+                        static_cast<std::size_t>(options.measure_sample_count));
+}
 
-  std::vector<std::uint8_t> used(input.vertex_count());
-  for (const Triangle& t : input.triangles)
-    for (const std::uint32_t v : t) used[v] = 1;
-  std::vector<SurfacePoint> from_input(input.vertex_count()), from_mesh(positions.size());
-  parallel_for(input.vertex_count(), [&](std::size_t v) {
-    if (used[v]) from_input[v] = result.closest_point(input.positions[v]);
-  });
-  parallel_for(positions.size(),
-               [&](std::size_t v) { from_mesh[v] = state.reference->index->closest_point(positions[v]); });
-
-  constexpr double kWatchedShare = 0.7;
-  std::size_t beyond = 0;
-  const auto collect = [&](const std::vector<SurfacePoint>& points, std::map<std::uint32_t, float>& emphasis) {
-    for (std::uint32_t v = 0; v < points.size(); ++v) {
-      const double distance = points[v].found() ? points[v].t : 0;
-      beyond += distance > tolerance;
-      if (distance < kWatchedShare * tolerance) continue;
-      float& weight = emphasis[v];
-      const double excess = distance / tolerance;
-      weight = weight == 0 ? static_cast<float>(8 * excess * excess) : weight * (distance > tolerance ? 4.0f : 1.5f);
-    }
-  };
-  collect(from_input, state.input_emphasis);
-  collect(from_mesh, state.mesh_emphasis);
-
-  double total = 0;
-  for (const SurfaceSample& sample : state.samples) total += sample.weight;
-  const double unit = total / static_cast<double>(std::max<std::size_t>(state.samples.size(), 1));
-  std::vector<SurfaceSample> samples = state.samples;
-  const auto add = [&](std::uint32_t face, const double* barycentric, const Vec3& target, const Vec3& from,
-                       float weight) {
-    SurfaceSample sample{};
-    sample.face = face;
-    for (int k = 0; k < 3; ++k) sample.barycentric[k] = static_cast<float>(barycentric[k]);
-    sample.target = target;
-    sample.normal = normalized(target - from);
-    sample.weight = static_cast<float>(weight * unit);
-    samples.push_back(sample);
-  };
-  for (const auto& [v, weight] : state.input_emphasis) {
-    const SurfacePoint& at = from_input[v];
-    add(at.triangle, at.barycentric, input.positions[v], at.position, weight);
-  }
-  for (const auto& [v, weight] : state.mesh_emphasis) {
-    const std::uint32_t face = face_of_vertex[v];
-    const double corner[3] = {faces[face][0] == v ? 1.0 : 0.0, faces[face][1] == v ? 1.0 : 0.0,
-                              faces[face][2] == v ? 1.0 : 0.0};
-    add(face, corner, from_mesh[v].position, positions[v], weight);
-  }
-  GlobalFitOptions fit;
-  fit.coded_level_count = state.options.coded_level_count;
-  fit.reprojection_count = 0;
-  global_fit(fit, nullptr, samples, state.mesh);
-  state.quantizer = std::make_unique<MeshQuantizer>(state.mesh, state.options.coded_level_count, std::move(samples),
-                                                    state.input.get());
-  return beyond;
+std::size_t Candidate::repair(double tolerance, const StreamDescription& description, const TrialOptions& options,
+                              Trial& trial) const {
+  MaximumRepairOptions repair;
+  repair.tolerance = tolerance;
+  const MaximumRepairResult result = repair_maximum(*state_->reference->index, hierarchy(), repair, trial.mesh);
+  assess(description, options, trial);
+  return result.initial_beyond;
 }
 
 StreamBytes Candidate::finish(const Trial& trial, const StreamDescription& description) {

@@ -76,11 +76,10 @@ class Candidate {
 
   Trial quantize(double normal_step, const StreamDescription& description, const TrialOptions& options);
 
-  /// Places where `trial` is farther from the input than 0.7 of `tolerance` get weight in the fit, more each time
-  /// they are met again; the mesh is fitted anew, and correspondences stay as they are from now on. How many input
-  /// and mesh vertices were beyond `tolerance` is returned. For targets on the maximum error: least squares alone
-  /// does not care about a single spike.
-  std::size_t emphasize(const Trial& trial, double tolerance);
+  /// Brings the places of `trial` that are farther than `tolerance` from the input within it where a few integers
+  /// can (maximum_repair.h), and measures it again. Returns the places that were beyond before.
+  std::size_t repair(double tolerance, const StreamDescription& description, const TrialOptions& options,
+                     Trial& trial) const;
 
   /// The final stream of a trial, all rows measured.
   StreamBytes finish(const Trial& trial, const StreamDescription& description);
@@ -89,6 +88,9 @@ class Candidate {
   MeasuredError measure(const std::vector<Vec3>& positions, int level, std::size_t sample_count) const;
 
  private:
+  /// Size and error of trial.mesh.
+  void assess(const StreamDescription& description, const TrialOptions& options, Trial& trial) const;
+
   struct State;
   std::unique_ptr<State> state_;
 };

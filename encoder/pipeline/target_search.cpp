@@ -22,33 +22,32 @@ double target_ratio(const Target& target, const Trial& trial) {
 namespace {
 
 /// The maximum depends on a handful of places, and hardly on the step until that is far too fine. So the step follows
-/// the number of places beyond the tolerance, and the places themselves get weight in the fit.
+/// the number of places beyond the tolerance, and the last of them are repaired one by one.
 TargetSearchResult search_maximum_error(Candidate& candidate, const Target& target,
                                         const StreamDescription& description, double first_step,
                                         const TargetSearchOptions& options) {
   TargetSearchResult result;
+  std::optional<double> meets, fails;  // steps
   double step = first_step;
-  for (int i = 0; i < 2 * options.maximum_trials; ++i) {
+  for (int i = 0; i < options.maximum_trials; ++i) {
     Trial trial = candidate.quantize(step, description, options.trial);
+    if (target_ratio(target, trial) > 1) candidate.repair(target.value, description, options.trial, trial);
     Trial record = trial;
     record.mesh = {};
     result.trials.push_back(std::move(record));
     const double ratio = target_ratio(target, trial);
+    (ratio <= 1 ? meets : fails) = step;
     if (ratio <= 1) {
-      const bool cheaper = !result.best || trial.byte_count < result.best->byte_count;
-      if (!cheaper) break;
-      result.best = std::move(trial);
-      if (i + 1 >= options.maximum_trials) break;
-      step *= 1.3;
-      continue;
+      if (!result.best || trial.byte_count < result.best->byte_count) result.best = std::move(trial);
+    } else if (!result.nearest || ratio < target_ratio(target, *result.nearest)) {
+      result.nearest = std::move(trial);
     }
-    const double nearest = result.nearest ? target_ratio(target, *result.nearest) : 0;
-    const std::size_t vertex_count = candidate.hierarchy().level(candidate.hierarchy().level_count()).vertex_count;
-    const std::size_t beyond = candidate.emphasize(trial, target.value);
-    if (!result.nearest || ratio < nearest) result.nearest = std::move(trial);
-    if (result.best) break;  // a coarser step fails
-    const bool many = static_cast<double>(beyond) > 2e-4 * static_cast<double>(vertex_count);
-    step *= many ? 0.62 : 0.88;
+    if (meets && fails) {
+      if (*fails / *meets < 1.25) break;
+      step = std::sqrt(*meets * *fails);
+    } else {
+      step *= meets ? 1.6 : 0.55;
+    }
   }
   return result;
 }

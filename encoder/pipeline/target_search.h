@@ -29,7 +29,7 @@ struct TargetSearchResult {
 double target_ratio(const Target& target, const Trial& trial);
 
 /// Error and size follow powers of the step, so the search is a secant method in logarithms that keeps a bracket.
-/// `first_step` is a guess. For a maximum error the candidate's fit is changed on the way (Candidate::emphasize).
+/// `first_step` is a guess. For a maximum error trials are repaired where they miss it (Candidate::repair).
 TargetSearchResult search_target(Candidate& candidate, const Target& target, const StreamDescription& description,
                                  double first_step, const TargetSearchOptions& options);
 

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Brings single places of a quantized mesh within a tolerance.
+//
+// Least squares and rate-distortion decisions care for the mean; what they leave beyond a tolerance is a handful of
+// spikes and tips. Each of them is repaired where it is: the vertices nearest to it get other integers, normal ones
+// first and tangential ones where the normal does not point there. Vertices of the finest level move nothing but
+// themselves, so the repair converges in a few rounds of measuring and moving.
+#ifndef NMC_ENCODER_PIPELINE_MAXIMUM_REPAIR_H_
+#define NMC_ENCODER_PIPELINE_MAXIMUM_REPAIR_H_
+
+#include <cstddef>
+
+#include "encoder/fit/quantized_mesh.h"
+#include "encoder/spatial/surface_index.h"
+
+namespace nmc {
+
+struct MaximumRepairOptions {
+  double tolerance = 0;      // in units of the mesh
+  int maximum_rounds = 8;
+  /// More places than this share of the vertices are no spikes: nothing is done.
+  double largest_share = 0.01;
+};
+
+struct MaximumRepairResult {
+  std::size_t initial_beyond = 0, final_beyond = 0;  // input and mesh vertices farther than the tolerance
+  int rounds = 0;
+};
+
+/// Changes the integers of `mesh`, whose finest level is the last of `hierarchy`, until no vertex of `input` (those
+/// its triangles use) and no vertex of the mesh is farther than the tolerance from the other surface, or the rounds
+/// are over. The best round is kept. One closest-point query per vertex and round; parallel, deterministic.
+MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionHierarchy& hierarchy,
+                                   const MaximumRepairOptions& options, QuantizedMesh& mesh);
+
+}  // namespace nmc
+
+#endif  // NMC_ENCODER_PIPELINE_MAXIMUM_REPAIR_H_
