@@ -17,7 +17,9 @@ int main(int argc, char** argv) {
   const std::map<std::string, std::function<void(const Settings&)>> experiments{
       {"sphere-times", nmc_bench::run_sphere_times}, {"fold-free", nmc_bench::run_fold_free},
       {"collapse", nmc_bench::run_collapse},         {"convergence", nmc_bench::run_convergence},
-      {"distortion", nmc_bench::run_distortion},     {"curves", nmc_bench::run_curves}};
+      {"distortion", nmc_bench::run_distortion},     {"curves", nmc_bench::run_curves},
+      {"table-3-1", nmc_bench::run_table_3_1},       {"levels", nmc_bench::run_levels},
+      {"zone-sphere", nmc_bench::run_zone_sphere}};
 
   CLI::App app{
       "Reproduces the tables and figures of the thesis: tables go to standard output as Markdown, tables as "

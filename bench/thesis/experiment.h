@@ -56,6 +56,9 @@ void run_collapse(const Settings& settings);
 void run_convergence(const Settings& settings);
 void run_distortion(const Settings& settings);
 void run_curves(const Settings& settings);
+void run_table_3_1(const Settings& settings);
+void run_levels(const Settings& settings);
+void run_zone_sphere(const Settings& settings);
 
 }  // namespace nmc_bench
 

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: Apache-2.0
+// Chapter 3 on surfaces: Table 3.1, the zone sphere of Fig. 3.7, and Figs. 3.8 and 3.10 (error and volume per
+// level).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "bench/thesis/experiment.h"
+#include "bench/thesis/svg_plot.h"
+#include "encoder/domain/parameterize.h"
+#include "encoder/measure/compare_meshes.h"
+#include "encoder/normal_mesh/unconstrained_vector_mesh.h"
+#include "encoder/normal_mesh/variational_normal_mesh.h"
+#include "encoder/sphere/sphere_base.h"
+#include "encoder/sphere/sphere_surface.h"
+
+namespace nmc_bench {
+
+using namespace nmc;
+
+namespace {
+
+// A parameterized model and its base, ready for any number of normal meshes.
+struct Model {
+  std::string name, parameterization;
+  std::shared_ptr<const TriangleMesh> input;
+  std::shared_ptr<const Parameterization> domain;  // keeps the surface's data alive
+  std::unique_ptr<ParameterizedSurface> surface;
+  ParameterizedBase base;
+  int level_count = 0;
+};
+
+Model on_sphere(const std::string& name, TriangleMesh mesh, const SphereBaseOptions& base, int level_count,
+                const SphereEnergyWeights& weights = {}) {
+  Model model;
+  model.name = name;
+  model.parameterization = "sphere";
+  model.input = std::make_shared<TriangleMesh>(std::move(mesh));
+  SphereOptions options;
+  options.weights = weights;
+  options.relative_decrease = 1e-5;
+  auto surface = std::make_unique<SphereParameterizedSurface>(
+      model.input, parameterize_sphere(*model.input, options).positions);
+  model.base = sphere_base(*surface, base);
+  model.surface = std::move(surface);
+  model.level_count = level_count;
+  return model;
+}
+
+Model on_domain(const std::string& name, TriangleMesh mesh, int base_size, int level_count,
+                double crease_angle = 0) {
+  Model model;
+  model.name = name;
+  model.parameterization = crease_angle > 0 ? "domain, creases" : "domain";
+  model.input = std::make_shared<TriangleMesh>(std::move(mesh));
+  CollapseOptions collapse;
+  collapse.crease_angle_degrees = crease_angle;
+  model.domain = std::make_shared<Parameterization>(
+      std::move(parameterize(*model.input, {base_size}, collapse).front()));
+  model.surface = std::make_unique<DomainParameterizedSurface>(*model.domain);
+  model.base = base_of(*model.domain);
+  model.level_count = level_count;
+  return model;
+}
+
+// A unit sphere with a displacement of rising frequency along the equator, fading towards the poles.
+TriangleMesh zone_sphere(int subdivisions) {
+  TriangleMesh mesh = regular_polyhedron(SphereBaseKind::kIcosahedron);
+  const SubdivisionHierarchy hierarchy(mesh.triangles, 12, subdivisions);
+  std::vector<Vec3> positions = mesh.positions;
+  for (int l = 0; l < subdivisions; ++l) {
+    const LevelTopology& topology = hierarchy.level(l);
+    for (std::uint32_t e = 0; e < topology.edge_count; ++e)
+      positions.push_back(normalized(positions[topology.edge_vertices[2 * e]] +
+                                     positions[topology.edge_vertices[2 * e + 1]]));
+  }
+  for (Vec3& p : positions) {
+    const double longitude = std::atan2(p.y, p.x) + std::numbers::pi;  // 0 ... 2 pi
+    const double equator = std::exp(-std::pow(p.z / 0.45, 4));
+    p = p * (1 + 0.02 * equator * std::sin(4 * longitude * longitude));
+  }
+  mesh.positions = std::move(positions);
+  mesh.triangles = level_triangles(hierarchy.level(subdivisions));
+  return mesh;
+}
+
+TriangleMesh mesh_of(const SubdivisionHierarchy& hierarchy, int level, const std::vector<Vec3>& positions) {
+  TriangleMesh mesh;
+  mesh.positions.assign(positions.begin(), positions.begin() + hierarchy.level(level).vertex_count);
+  mesh.triangles = level_triangles(hierarchy.level(level));
+  return mesh;
+}
+
+CompareResult compared(const Model& model, const SurfaceIndex& index, const TriangleMesh& mesh) {
+  CompareOptions options;
+  options.sample_count = 100000;
+  options.normals = false;
+  options.vertices = false;
+  options.original_index = &index;
+  return compare_meshes(*model.input, mesh, options);
+}
+
+InterpolatingOptions thesis_options(int level_count, ApertureRule rule) {
+  InterpolatingOptions options;
+  options.level_count = level_count;
+  options.aperture_rule = rule;
+  if (rule == ApertureRule::kParametric) {
+    options.coarse_aperture = options.fine_aperture = 0.2;
+    options.parameter_prediction = ParameterPrediction::kMidpoint;
+  }
+  return options;
+}
+
+struct Published {
+  double inm_error, vnm_error, inm_seconds, vnm_seconds;
+  int inm_non_normal, vnm_non_normal;
+};
+
+}  // namespace
+
+void run_table_3_1(const Settings& settings) {
+  Table table({"model", "parameterization", "base (levels)", "vertices", "aperture", "method",
+               "thesis non-normal", "non-normal", "thesis L2 %", "L2 %", "INM / VNM", "thesis s", "cpu s"});
+  SphereBaseOptions icosahedron;
+  SphereBaseOptions adaptive;
+  adaptive.kind = SphereBaseKind::kAdaptive;
+  adaptive.adaptive_vertex_count = 140;
+  const SphereEnergyWeights even{0, 0.2, 1, 0, 0, true};
+  struct Row {
+    std::function<Model()> make;
+    std::optional<Published> published;
+  };
+  const auto igea = [&] { return load_mesh(settings, "igea.ply"); };
+  const auto horse = [&] { return load_mesh(settings, "horse.ply"); };
+  const std::vector<Row> rows{
+      {[&] { return on_domain("igea", igea(), 196, 4); }, Published{0.0148, 0.0096, 2.3, 14.9, 136, 121}},
+      {[&] { return on_sphere("igea", igea(), icosahedron, 6); },
+       Published{0.0156, 0.0099, 2.1, 15.1, 24, 38}},
+      {[&] { return on_domain("horse", horse(), 140, 4); }, Published{0.0117, 0.0081, 1.6, 11.7, 256, 317}},
+      {[&] { return on_sphere("horse", horse(), adaptive, 4, even); },
+       Published{0.0117, 0.0081, 1.6, 11.7, 256, 317}},
+      {[&] { return on_domain("fandisk", load_mesh(settings, "fandisk.obj"), 73, 3); },
+       Published{0.0573, 0.0345, 0.2, 1.5, 103, 104}},
+      {[&] { return on_domain("fandisk", load_mesh(settings, "fandisk.obj"), 73, 3, 40); },
+       Published{0.0573, 0.0345, 0.2, 1.5, 103, 104}},
+      {[&] { return on_sphere("zone sphere", zone_sphere(7), icosahedron, 6); },
+       Published{0.0611, 0.0327, 2.8, 17.2, 570, 146}},
+      {[&] { return on_sphere("bimba", load_mesh(settings, "bimba.off"), icosahedron, 5); }, std::nullopt},
+      {[&] { return on_sphere("m1phobos", load_mesh(settings, "m1phobos.obj"), icosahedron, 5); },
+       std::nullopt}};
+  for (const Row& row : rows) {
+    const Model model = row.make();
+    const SurfaceIndex index(model.surface->surface());
+    const SurfaceIndex input_index(*model.input);
+    for (const ApertureRule rule : {ApertureRule::kParametric, ApertureRule::kAdaptive}) {
+      const InterpolatingOptions options = thesis_options(model.level_count, rule);
+      const auto count = [](const std::vector<LevelStatistics>& levels) {
+        std::uint32_t sum = 0;
+        for (const LevelStatistics& l : levels) sum += l.non_normal_count;
+        return sum;
+      };
+      const auto add = [&](const char* method, std::uint32_t non_normal, double error, double ratio,
+                           double seconds, std::size_t vertices, double published_error,
+                           double published_seconds, int published_count) {
+        const auto shown = [&](auto value) {
+          return row.published ? fmt::format("{}", value) : std::string("-");
+        };
+        table.add({model.name, model.parameterization,
+                   fmt::format("{} ({})", model.base.positions.size(), model.level_count),
+                   fmt::format("{}", vertices), rule == ApertureRule::kParametric ? "0.2" : "adaptive",
+                   method, shown(published_count), fmt::format("{}", non_normal), shown(published_error),
+                   fmt::format("{:.4f}", 100 * error), ratio > 0 ? fmt::format("{:.2f}", ratio) : "",
+                   shown(published_seconds), fmt::format("{:.1f}", seconds)});
+      };
+      const Published p = row.published.value_or(Published{});
+      const Stopwatch inm_clock;
+      const InterpolatingResult inm = interpolate(*model.surface, index, model.base, options);
+      const double inm_seconds = inm_clock.cpu_seconds();
+      const double inm_error =
+          compared(model, input_index, mesh_of(inm.mesh.hierarchy, model.level_count, inm.positions))
+              .relative_rms();
+      add("INM", count(inm.levels), inm_error, 0, inm_seconds, inm.positions.size(), p.inm_error,
+          p.inm_seconds, p.inm_non_normal);
+      VariationalOptions variational;
+      variational.interpolating = options;
+      const Stopwatch vnm_clock;
+      const VariationalResult vnm = variational_normal_mesh(*model.surface, index, model.base, variational);
+      const double vnm_seconds = vnm_clock.cpu_seconds();
+      const double vnm_error =
+          compared(model, input_index, mesh_of(vnm.hierarchy, model.level_count, vnm.positions.back()))
+              .relative_rms();
+      add("VNM", count(vnm.levels), vnm_error, inm_error / vnm_error, vnm_seconds, inm.positions.size(),
+          p.vnm_error, p.vnm_seconds, p.vnm_non_normal);
+    }
+  }
+  table.print();
+  table.write_csv(settings.output + "/table_3_1.csv");
+}
+
+void run_levels(const Settings& settings) {
+  SphereBaseOptions icosahedron, tetrahedron;
+  tetrahedron.kind = SphereBaseKind::kTetrahedron;
+  struct Row {
+    std::string figure;
+    std::function<Model()> make;
+  };
+  const std::vector<Row> rows{
+      {"igea", [&] { return on_sphere("igea", load_mesh(settings, "igea.ply"), icosahedron, 5); }},
+      {"zone_sphere", [&] { return on_sphere("zone sphere", zone_sphere(7), icosahedron, 6); }},
+      {"bimba_tetrahedron", [&] {
+         return on_sphere("bimba, tetrahedron base", load_mesh(settings, "bimba.off"), tetrahedron, 6);
+       }}};
+  Table table({"model", "level", "vertices", "INM %", "VNM %", "VVM %", "remesh %", "volume INM %",
+               "volume VNM %", "volume VVM %", "volume remesh %"});
+  for (const Row& row : rows) {
+    const Model model = row.make();
+    const SurfaceIndex index(model.surface->surface());
+    const SurfaceIndex input_index(*model.input);
+    InterpolatingOptions options = thesis_options(model.level_count, ApertureRule::kParametric);
+    const InterpolatingResult inm = interpolate(*model.surface, index, model.base, options);
+    VariationalOptions variational;
+    variational.interpolating = options;
+    const VariationalResult vnm = variational_normal_mesh(*model.surface, index, model.base, variational);
+    const SubdivisionHierarchy& hierarchy = inm.mesh.hierarchy;
+    const std::vector<std::vector<Vec3>> vvm =
+        unconstrained_vector_mesh(*model.surface, hierarchy, inm.parameters);
+    const std::vector<Vec3> remesh =
+        sample_surface(*model.surface, midpoint_parameters(*model.surface, hierarchy, model.base.parameters));
+    Plot error{"Fig. 3.8: " + model.name, "vertices", "L2 error, % of the diagonal", true, true, {}};
+    Plot volume{"Fig. 3.10: " + model.name, "level", "volume, % of the input's", false, false, {}};
+    for (const char* name : {"INM", "VNM", "VVM", "plain remesh"}) {
+      error.series.push_back({name, {}});
+      volume.series.push_back({name, {}});
+    }
+    for (int l = 0; l <= model.level_count; ++l) {
+      const std::size_t s = static_cast<std::size_t>(l);
+      const TriangleMesh meshes[4] = {mesh_of(hierarchy, l, inm.positions),
+                                      mesh_of(hierarchy, l, vnm.positions[s]), mesh_of(hierarchy, l, vvm[s]),
+                                      mesh_of(hierarchy, l, remesh)};
+      std::vector<std::string> cells{model.name, fmt::format("{}", l),
+                                     fmt::format("{}", meshes[0].vertex_count())};
+      std::vector<std::string> volumes;
+      for (std::size_t k = 0; k < 4; ++k) {
+        const CompareResult c = compared(model, input_index, meshes[k]);
+        const double percent = 100 * c.relative_rms();
+        const double share =
+            c.original_volume && c.result_volume ? 100 * *c.result_volume / *c.original_volume : 0;
+        cells.push_back(fmt::format("{:.4f}", percent));
+        volumes.push_back(fmt::format("{:.2f}", share));
+        error.series[k].points.emplace_back(static_cast<double>(meshes[k].vertex_count()), percent);
+        volume.series[k].points.emplace_back(l, share);
+      }
+      cells.insert(cells.end(), volumes.begin(), volumes.end());
+      table.add(std::move(cells));
+    }
+    write_plots(settings.output + "/fig_3_8_3_10_" + row.figure + ".svg", {error, volume});
+  }
+  table.print();
+  table.write_csv(settings.output + "/levels.csv");
+}
+
+void run_zone_sphere(const Settings& settings) {
+  const Model model = on_sphere("zone sphere", zone_sphere(7), {}, 5);
+  const SurfaceIndex index(model.surface->surface());
+  const InterpolatingOptions options = thesis_options(model.level_count, ApertureRule::kParametric);
+  const InterpolatingResult inm = interpolate(*model.surface, index, model.base, options);
+  VariationalOptions variational;
+  variational.interpolating = options;
+  const VariationalResult vnm = variational_normal_mesh(*model.surface, index, model.base, variational);
+  // The radius along the equator, where the local frequency grows from 0 to 16 pi waves per turn: the share
+  // of the displacement's energy in windows of longitude. What a level cannot resolve should be zero, not
+  // noise.
+  constexpr int kWindows = 32, kSamples = 8192;
+  const auto profile = [&](const TriangleMesh& mesh) {
+    const SurfaceIndex mesh_index(mesh);
+    std::vector<double> deviation(kWindows, 0);
+    for (int i = 0; i < kSamples; ++i) {
+      const double longitude = 2 * std::numbers::pi * (i + 0.5) / kSamples - std::numbers::pi;
+      const SurfacePoint hit =
+          mesh_index.first_hit({0, 0, 0}, {std::cos(longitude), std::sin(longitude), 0.05}, 0.1, 3);
+      if (!hit.found()) continue;
+      const double d = norm(hit.position) - 1;
+      deviation[static_cast<std::size_t>(i * kWindows / kSamples)] += d * d * kWindows / kSamples;
+    }
+    for (double& d : deviation) d = std::sqrt(d);
+    return deviation;
+  };
+  std::vector<Plot> plots;
+  Table table(
+      {"level", "vertices", "waves per turn resolved", "INM beyond them", "VNM beyond them", "INM / VNM"});
+  const std::vector<double> reference = profile(*model.input);
+  for (int l = 1; l <= 4; ++l) {
+    const std::vector<double> a = profile(mesh_of(inm.mesh.hierarchy, l, inm.positions));
+    const std::vector<double> b =
+        profile(mesh_of(vnm.hierarchy, l, vnm.positions[static_cast<std::size_t>(l)]));
+    Plot plot{
+        fmt::format("Fig. 3.7, level {}", l), "waves per turn", "RMS of the radius - 1", false, false, {}};
+    plot.series = {{"input", {}}, {"INM", {}}, {"VNM", {}}};
+    // An icosahedron's equator has about 5 edges of a turn each, doubled on every level; two of them make a
+    // wave.
+    const double resolved = 5 * std::pow(2, l) / 2;
+    double inm_energy = 0, vnm_energy = 0;
+    for (std::size_t w = 0; w < kWindows; ++w) {
+      const double frequency = 2 * 4 * 2 * std::numbers::pi * (static_cast<double>(w) + 0.5) / kWindows;
+      plot.series[0].points.emplace_back(frequency, reference[w]);
+      plot.series[1].points.emplace_back(frequency, a[w]);
+      plot.series[2].points.emplace_back(frequency, b[w]);
+      if (frequency > resolved) {
+        inm_energy += a[w] * a[w];
+        vnm_energy += b[w] * b[w];
+      }
+    }
+    plots.push_back(std::move(plot));
+    table.add({fmt::format("{}", l), fmt::format("{}", inm.mesh.hierarchy.level(l).vertex_count),
+               fmt::format("{:.0f}", resolved), fmt::format("{:.5f}", std::sqrt(inm_energy / kWindows)),
+               fmt::format("{:.5f}", std::sqrt(vnm_energy / kWindows)),
+               fmt::format("{:.2f}", std::sqrt(inm_energy / vnm_energy))});
+  }
+  table.print();
+  table.write_csv(settings.output + "/zone_sphere.csv");
+  write_plots(settings.output + "/fig_3_7_zone_sphere.svg", plots);
+}
+
+}  // namespace nmc_bench
