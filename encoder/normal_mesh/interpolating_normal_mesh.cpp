@@ -51,6 +51,23 @@ struct Level {
   const BaseCurve& curve_of(std::uint32_t edge) const { return curves[edge >> number]; }
 };
 
+/// Where the surface bulges between the ends, an uneven division leaves the bulge to one side of the vertex,
+/// and level by level an extremity slips through between the samples. So distances are taken along the
+/// surface, by way of its points at the middles of both parts, and the more these ways bend the more evenly
+/// they have to divide.
+bool divides_evenly(const Level& level, const EdgeChart& e, const ChartPoint& at, const Vec3& x,
+                    const Vec3& a, const Vec3& b) {
+  const auto way = [&](const ChartPoint& end, const Vec3& from) {
+    const Vec3 middle = level.map.position(level.map.locate(level.map.from_chart(e.chart, 0.5 * (end + at))));
+    return distance(from, middle) + distance(middle, x);
+  };
+  const double way_a = way(e.a, a), way_b = way(e.b, b);
+  const double bulge = (way_a + way_b) / (distance(a, x) + distance(x, b)) - 1;
+  const double aperture =
+      std::max(level.options.least_aperture, level.aperture / (1 + bulge / level.options.bulge_tolerance));
+  return std::abs(way_a / (way_a + way_b) - 0.5) <= 0.5 * aperture;
+}
+
 /// Chooses among the intersections of the normal line with the input: Figure 2.5, steps 2 and 3.
 OddVertexChoice pierce_surface(const Level& level, std::uint32_t edge, const Vec3& prediction,
                                const Vec3& normal, Vec3& position) {
@@ -83,7 +100,7 @@ OddVertexChoice pierce_surface(const Level& level, std::uint32_t edge, const Vec
     const double deviation = squared_length(at - e.predicted);
     if (deviation > nearest || squared_length(at - e.midpoint) > e.half_length * e.half_length) continue;
     if (dot(level.map.face_normal(hit.triangle), normal) <= level.options.least_normal_agreement) continue;
-    if (adaptive && !ratio_is_balanced(hit.position, a, b, level.aperture)) continue;
+    if (adaptive && !divides_evenly(level, e, at, hit.position, a, b)) continue;
     nearest = deviation;
     choice.source = OddVertexSource::kPierced;
     choice.parameter = level.map.from_chart(e.chart, at);

@@ -25,9 +25,13 @@ enum class ApertureRule {
   /// of
   /// neighbouring edges of an equilateral triangle.
   kParametric,
-  /// Judged on the surface: the point divides the distance to the edge's ends in a ratio within +-aperture/2
-  /// of
-  /// one half. In the domain only 0.9 of half the edge's length is asked; the flip test guards the rest.
+  /// Judged on the surface: the point divides the way along the surface between the edge's ends in a ratio
+  /// within
+  /// +-aperture/2 of one half, less where that way bends (bulge_tolerance). In the domain only 0.9 of half
+  /// the edge's
+  /// length is asked; the flip test guards the rest. So flat regions follow the normals however the map is
+  /// distorted
+  /// there, and extremities keep their share of vertices (thesis section 2.4.2 asks for this).
   kAdaptive,
 };
 
@@ -36,6 +40,10 @@ struct InterpolatingOptions {
   ApertureRule aperture_rule = ApertureRule::kAdaptive;
   double coarse_aperture = 0.6;  // at level 0
   double fine_aperture = 0.8;    // from level 4 on, linear between
+  /// kAdaptive: a way that is longer than its chords by this share halves the aperture, by twice as much
+  /// divides it by three, and so on, down to least_aperture.
+  double bulge_tolerance = 0.02;
+  double least_aperture = 0.1;
   ParameterPrediction parameter_prediction = ParameterPrediction::kButterfly;
   /// Share of the butterfly's correction; 0 is midpoint prediction of positions.
   double tension = 1;

@@ -6,25 +6,11 @@
 #include <cmath>
 
 #include "encoder/core/parallel.h"
+#include "encoder/normal_mesh/quadrature.h"
 
 namespace nmc {
 
 namespace {
-
-/// Barycentric coordinates of the centroids of the k * k congruent sub-triangles of a triangle.
-std::vector<std::array<double, 3>> sub_triangle_centroids(int k) {
-  std::vector<std::array<double, 3>> centroids;
-  for (int i = 0; i < k; ++i) {
-    for (int j = 0; j < k - i; ++j) {
-      for (int up = 0; up < (j == k - i - 1 ? 1 : 2); ++up) {
-        const double third = up ? 2.0 / 3 : 1.0 / 3;
-        const double b1 = (i + third) / k, b2 = (j + third) / k;
-        centroids.push_back({(1 - b1) - b2, b1, b2});
-      }
-    }
-  }
-  return centroids;
-}
 
 struct Counts {
   std::size_t replaced = 0, doubtful = 0;
@@ -58,21 +44,6 @@ struct FaceFrame {
 
 SurfaceLocation location_of(const SurfacePoint& point) {
   return {point.triangle, {point.barycentric[0], point.barycentric[1], point.barycentric[2]}};
-}
-
-/// Area of the input per area of the chart in which `triangle` is seen; 0 where the map folds it.
-double stretch(const ParameterizedSurface& map, const LocalChart& chart, std::uint32_t triangle) {
-  ChartPoint c[3];
-  for (int k = 0; k < 3; ++k) {
-    SurfaceLocation corner{triangle, {0, 0, 0}};
-    corner.barycentric[k] = 1;
-    if (!map.to_chart(chart, corner, c[k])) return 0;
-  }
-  const double in_chart = face_ratio(c[0], c[1], c[2]);
-  if (!(in_chart > 0)) return 0;
-  const Triangle& t = map.surface().triangles[triangle];
-  const Vec3& a = map.surface().positions[t[0]];
-  return norm(cross(map.surface().positions[t[1]] - a, map.surface().positions[t[2]] - a)) / in_chart;
 }
 
 void scale_weights(double factor, std::vector<SurfaceSample>& samples) {
@@ -154,7 +125,7 @@ std::vector<SurfaceSample> sample_correspondences(const ParameterizedSurface& ma
             trusted = distance(own, sample.target) <= options.farthest_in_edges * frame.longest_edge &&
                       frame.agrees(sample.normal, options.least_normal_agreement);
             if (trusted && mesh_share < 1)
-              input_weight = share * chart_area * stretch(map, chart, location.triangle) / input_area;
+              input_weight = share * chart_area * map_stretch(map, chart, location.triangle) / input_area;
           }
           if (!trusted) {
             ++counts.replaced;
