@@ -146,6 +146,13 @@ TEST_CASE("gltf: says where a container or its JSON is malformed", "[gltf][malfo
   std::string long_chunk = whole;
   long_chunk[15] = 1;  // the JSON chunk's size, plus 2^24
   require_failure(kGltf, long_chunk, ExitCode::kInvalidInput, "byte offset 20: a GLB chunk of");
+  // The binary chunk announces as many bytes as the file has left, its own header counted in.
+  const std::size_t binary_chunk = whole.find(std::string_view("BIN\0", 4)) - 4;
+  std::string binary_too_long = whole;
+  binary_too_long[binary_chunk] = static_cast<char>(whole.size() - binary_chunk);
+  require_failure(
+      kGltf, binary_too_long, ExitCode::kInvalidInput,
+      "byte offset " + std::to_string(binary_chunk + 8) + ": a GLB chunk of 44 bytes, but 36 are left");
   require_failure(kGltf, R"({"asset":{"version":"2.0"},})", ExitCode::kInvalidInput,
                   "byte offset 27: malformed JSON");
   require_failure(kGltf, std::string(100000, '['), ExitCode::kInvalidInput, "malformed JSON");
