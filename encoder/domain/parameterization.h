@@ -47,6 +47,24 @@ struct Parameterization {
       result.corners[k] = chart.maps[k](vertex_points[surface->triangles[triangle][k]].at);
     return result;
   }
+
+  /// The domain point of a surface point given by barycentric coordinates of a triangle. Walks from a corner
+  /// of the triangle, so a cone beside it is passed on the right side.
+  DomainPoint domain_point(std::uint32_t triangle, const double barycentric[3]) const {
+    const ChartTriangle corners = unfold(triangle);
+    ChartPoint at;
+    for (int k = 0; k < 3; ++k) at = at + barycentric[k] * corners.corners[k];
+    // The chart is that of a corner which is no cone; where all are, the triangle is the base face itself.
+    ChartPoint start{1.0 / 3, 1.0 / 3};
+    for (int k = 0; k < 3; ++k) {
+      const DomainPoint& corner = vertex_points[surface->triangles[triangle][k]];
+      if (barycentric[k] == 1) return corner;
+      if (corner.face == corners.face && corner.at == corners.corners[k] &&
+          domain.cone_at(corner) == kNoVertex)
+        start = corner.at;
+    }
+    return domain.walk(corners.face, start, at, nullptr);
+  }
 };
 
 }  // namespace nmc

@@ -336,15 +336,7 @@ SurfaceLocation SurfaceAtlas::locate(const DomainPoint& point) const {
 }
 
 DomainPoint SurfaceAtlas::domain_point(const SurfaceLocation& location) const {
-  const ChartTriangle triangle = parameterization_->unfold(location.triangle);
-  for (int k = 0; k < 3; ++k) {
-    if (location.barycentric[k] == 1) {
-      return parameterization_->vertex_points[parameterization_->surface->triangles[location.triangle][k]];
-    }
-  }
-  ChartPoint at;
-  for (int k = 0; k < 3; ++k) at = at + location.barycentric[k] * triangle.corners[k];
-  return parameterization_->domain.normalize(triangle.face, at);
+  return parameterization_->domain_point(location.triangle, location.barycentric);
 }
 
 std::optional<ChartPoint> SurfaceAtlas::chart_point(const SurfaceLocation& location,
