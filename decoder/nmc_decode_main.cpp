@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: Apache-2.0
+// nmc-decode: a stream, or as much of it as is wanted, to a mesh file.
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "decoder/tool/quantity.h"
+#include "decoder/tool/stream_source.h"
+#include "decoder/tool/tool_main.h"
+#include "decoder/write/mesh_writer.h"
+
+namespace {
+
+using namespace nmc;
+
+struct Arguments {
+  std::string input, output, format;
+  std::optional<std::uint32_t> level;
+  std::string max_error, rms_error, max_triangles, size;
+  bool allow_partial = false, prints_hash = false, no_output = false, quiet = false, force = false;
+  int verbosity = 0;
+  std::uint32_t repeat = 1;
+  std::string max_alloc, positions = "auto", normals = "none", progress = "auto";
+  std::uint64_t max_triangles_limit = 0;
+};
+
+struct Choice {
+  std::uint32_t row = 0;
+  bool is_met = true;
+};
+
+/// The row of the layer table that the arguments ask for.
+Choice choose_row(const Arguments& arguments, StreamReader& reader, const nmc_info& info) {
+  Choice choice;
+  choice.row = info.layer_count - 1;
+  const auto select = [&](nmc_criterion criterion, double value) {
+    if (reader.select_layer(criterion, value, choice.row, &choice.is_met) != NMC_OK) {
+      throw ToolError(ToolExit::kInternal, "the layer table cannot be read");
+    }
+  };
+  if (arguments.level) {
+    if (*arguments.level > info.level_count) {
+      throw ToolError(ToolExit::kUsage, "--level " + std::to_string(*arguments.level) +
+                                            ": the stream has levels 0 to " +
+                                            std::to_string(info.level_count));
+    }
+    select(NMC_BY_LEVEL, *arguments.level);
+    choice.is_met = true;
+  } else if (!arguments.max_error.empty()) {
+    select(NMC_BY_MAX_ERROR, parse_length(arguments.max_error, info));
+  } else if (!arguments.rms_error.empty()) {
+    select(NMC_BY_RMS_ERROR, parse_length(arguments.rms_error, info));
+  } else if (!arguments.max_triangles.empty()) {
+    select(NMC_BY_FACES, parse_size(arguments.max_triangles));
+  } else if (!arguments.size.empty()) {
+    select(NMC_BY_BYTES, parse_size(arguments.size));
+  }
+  return choice;
+}
+
+/// Why nothing can be written although the stream is sound.
+void refuse_unmet(const Arguments& arguments, StreamReader& reader, const nmc_info& info,
+                  const std::string& name) {
+  nmc_layer first{};
+  if (reader.layer(0, first) != NMC_OK) return;
+  if (!arguments.max_triangles.empty()) {
+    throw ToolError(ToolExit::kTargetNotMet, name + ": even the coarsest layer has " +
+                                                 std::to_string(first.face_count) +
+                                                 " triangles; nothing was written");
+  }
+  if (!arguments.size.empty()) {
+    throw ToolError(ToolExit::kTargetNotMet, name + ": the first layer takes " +
+                                                 bytes_text(first.end_offset) + "; nothing was written");
+  }
+  (void)info;
+}
+
+void check_status(nmc_status status, const StreamReader& reader, const std::string& name) {
+  if (status == NMC_OK) return;
+  throw ToolError(exit_code_of(status), name + ": " + error_text(reader.error()));
+}
+
+/// Double precision where single would add more than a twentieth of the stated error.
+bool needs_double(const Arguments& arguments, const nmc_info& info, const nmc_layer& layer) {
+  if (arguments.positions != "auto") return arguments.positions == "double";
+  double largest = 0;
+  for (int k = 0; k < 3; ++k)
+    largest = std::fmax(largest, std::fmax(std::fabs(info.box_min[k]), std::fabs(info.box_max[k])));
+  const double error = layer.has_error ? layer.rms_error : info.diagonal * 1e-5;
+  return largest * 0x1p-24 > 0.05 * error;
+}
+
+OutputFormat output_format(const Arguments& arguments) {
+  if (arguments.format == "ply-ascii") return OutputFormat::kPlyText;
+  if (!arguments.format.empty()) {
+    const std::optional<OutputFormat> format = output_format_from_name(arguments.format);
+    if (!format)
+      throw ToolError(ToolExit::kUsage,
+                      "--format " + arguments.format + ": use ply, ply-ascii, obj, stl, off or glb");
+    return *format;
+  }
+  if (arguments.output == "-") return OutputFormat::kPly;
+  const std::string extension = std::filesystem::path(arguments.output).extension().string();
+  const std::optional<OutputFormat> format = output_format_from_name(extension);
+  if (!format) {
+    throw ToolError(ToolExit::kUsage, arguments.output +
+                                          ": the name does not end in .ply, .obj, .stl, .off or .glb; "
+                                          "name the format with --format");
+  }
+  return *format;
+}
+
+void check_output(Arguments& arguments) {
+  if (arguments.no_output) return;
+  if (arguments.output.empty()) {
+    if (arguments.input == "-") throw ToolError(ToolExit::kUsage, "standard input needs -o");
+    const std::string extension = arguments.format.empty() ? "ply" : arguments.format.substr(0, 3);
+    arguments.output = std::filesystem::path(arguments.input).replace_extension(extension).string();
+  }
+  (void)output_format(arguments);
+  if (arguments.output == "-") {
+    if (isatty(STDOUT_FILENO))
+      throw ToolError(ToolExit::kUsage, "a mesh is not written to a terminal; use -o FILE");
+    return;
+  }
+  std::error_code ignored;
+  if (!arguments.force && std::filesystem::is_regular_file(arguments.output, ignored)) {
+    throw ToolError(ToolExit::kUsage, arguments.output + ": exists already; use -f to overwrite it");
+  }
+}
+
+void write_output(const Arguments& arguments, StreamReader& reader, const nmc_info& info,
+                  const nmc_layer& layer, std::uint32_t level) {
+  std::uint32_t vertex_count = 0, face_count = 0;
+  check_status(reader.mesh_size(level, vertex_count, face_count), reader, arguments.input);
+  std::vector<std::uint32_t> indices(std::size_t{3} * face_count);
+  std::vector<float> single, normals;
+  std::vector<double> exact;
+  check_status(reader.read_indices(level, indices), reader, arguments.input);
+  MeshView view;
+  if (needs_double(arguments, info, layer)) {
+    exact.resize(std::size_t{3} * vertex_count);
+    check_status(reader.read_positions(level, std::span<double>(exact)), reader, arguments.input);
+    view.positions_double = exact;
+  } else {
+    single.resize(std::size_t{3} * vertex_count);
+    check_status(reader.read_positions(level, std::span<float>(single)), reader, arguments.input);
+    view.positions_single = single;
+  }
+  view.triangles = indices;
+  if (arguments.normals == "vertex") {
+    normals.resize(std::size_t{3} * vertex_count);
+    check_status(reader.read_normals(level, normals), reader, arguments.input);
+    view.normals = normals;
+  }
+  const WriteStatus written = write_mesh(arguments.output, view, output_format(arguments));
+  if (written.is_ok()) return;
+  throw ToolError(written.outcome == WriteOutcome::kInputOutput   ? ToolExit::kInputOutput
+                  : written.outcome == WriteOutcome::kUnsupported ? ToolExit::kUnsupported
+                                                                  : ToolExit::kInternal,
+                  written.message);
+}
+
+void print_hashes(const Arguments& arguments, StreamReader& reader, const nmc_layer& layer,
+                  std::uint32_t level) {
+  std::uint64_t state = 0, positions = 0;
+  check_status(reader.state_hash(state), reader, arguments.input);
+  check_status(reader.position_hash(level, positions), reader, arguments.input);
+  std::fprintf(arguments.output == "-" ? stderr : stdout, "layer %u level %u state %s positions %s\n",
+               layer.index, level, hash_text(state).c_str(), hash_text(positions).c_str());
+}
+
+nmc_limits limits_of(const Arguments& arguments) {
+  nmc_limits limits = nmc_default_limits();
+  if (!arguments.max_alloc.empty())
+    limits.max_memory = static_cast<std::uint64_t>(parse_size(arguments.max_alloc));
+  // A triangle mesh has about half as many vertices as triangles, and three times as many at worst.
+  if (arguments.max_triangles_limit > 0) limits.max_vertices = arguments.max_triangles_limit / 2 + 2;
+  return limits;
+}
+
+/// Decodes from memory again and again and tells the best time, mesh in hand.
+ToolExit benchmark(const Arguments& arguments) {
+  const std::vector<std::uint8_t> bytes = read_file(arguments.input);
+  StreamReader reader(limits_of(arguments));
+  double best = 0;
+  std::uint32_t face_count = 0;
+  std::vector<float> positions;
+  std::vector<std::uint32_t> indices;
+  for (std::uint32_t i = 0; i < arguments.repeat; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    check_status(reader.reset(), reader, arguments.input);
+    check_status(reader.feed(std::span<const std::uint8_t>(bytes)), reader, arguments.input);
+    nmc_event event{};
+    nmc_status status = NMC_OK;
+    while ((status = reader.next(event)) == NMC_OK) {
+    }
+    if (status == NMC_NEED_MORE_INPUT) status = reader.finish();
+    check_status(status, reader, arguments.input);
+    nmc_layer layer{};
+    std::uint32_t vertex_count = 0;
+    check_status(reader.current_layer(layer), reader, arguments.input);
+    check_status(reader.mesh_size(layer.level, vertex_count, face_count), reader, arguments.input);
+    positions.resize(std::size_t{3} * vertex_count);
+    indices.resize(std::size_t{3} * face_count);
+    check_status(reader.read_indices(layer.level, indices), reader, arguments.input);
+    check_status(reader.read_positions(layer.level, std::span<float>(positions)), reader, arguments.input);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    best = i == 0 || seconds < best ? seconds : best;
+  }
+  std::uint64_t peak = 0;
+  check_status(nmc_decoder_memory(reader.get(), nullptr, &peak), reader, arguments.input);
+  const double out = static_cast<double>(positions.size() + indices.size()) * 4;
+  std::printf(
+      "%s: %u triangles in %.2f ms (best of %u): %.2f million triangles/s, %.1f MB/s of output, %.1f bytes "
+      "of "
+      "memory per triangle with output\n",
+      arguments.input.c_str(), face_count, best * 1000, arguments.repeat, face_count / best / 1e6,
+      out / best / 1e6, (static_cast<double>(peak) + out) / face_count);
+  return ToolExit::kOk;
+}
+
+ToolExit decode(Arguments& arguments) {
+  check_output(arguments);
+  if (arguments.repeat > 1 || (arguments.no_output && !arguments.prints_hash && arguments.repeat != 1)) {
+    return benchmark(arguments);
+  }
+  StreamReader reader(limits_of(arguments));
+  check_status(reader.status(), reader, arguments.input);
+  InputFile input(arguments.input);
+  Choice choice;
+  nmc_layer layer{};
+  const bool shows_progress = !arguments.quiet && (arguments.progress == "always" ||
+                                                   (arguments.progress == "auto" && isatty(STDERR_FILENO)));
+  StreamVisitor visitor;
+  visitor.on_header = [&](const nmc_info& info) {
+    choice = choose_row(arguments, reader, info);
+    if (!choice.is_met) refuse_unmet(arguments, reader, info, input.name());
+    return choice.row;
+  };
+  visitor.on_layer = [&](const nmc_layer& row) {
+    layer = row;
+    if (shows_progress || arguments.verbosity > 0) {
+      std::fprintf(stderr, "layer %u: level %u, %llu triangles, %s read\n", row.index, row.level,
+                   static_cast<unsigned long long>(row.face_count), bytes_text(row.end_offset).c_str());
+    }
+  };
+  const StreamOutcome outcome = decode_stream(reader, input, visitor);
+  const bool is_whole = outcome.status == NMC_OK;
+  if (!is_whole) {
+    const std::string reason = input.name() + ": " + error_text(reader.error());
+    if (outcome.layers_complete == 0) {
+      const ToolExit code =
+          outcome.status == NMC_ERR_TRUNCATED ? ToolExit::kInvalidInput : exit_code_of(outcome.status);
+      throw ToolError(code, reason + "; nothing could be decoded");
+    }
+    if (outcome.status != NMC_ERR_TRUNCATED && !arguments.allow_partial) {
+      throw ToolError(exit_code_of(outcome.status),
+                      reason + "; nothing was written (--allow-partial writes the " +
+                          std::to_string(outcome.layers_complete) + " of " +
+                          std::to_string(outcome.info.layer_count) + " layers before it)");
+    }
+  }
+  const std::uint32_t level = arguments.level && is_whole ? *arguments.level : layer.level;
+  if (arguments.prints_hash) print_hashes(arguments, reader, layer, level);
+  if (!arguments.no_output) write_output(arguments, reader, outcome.info, layer, level);
+  if (!is_whole) {
+    std::fprintf(stderr, "nmc-decode: %s: %s; decoded %u of %u layers from %s\n", input.name().c_str(),
+                 error_text(reader.error()).c_str(), outcome.layers_complete, outcome.info.layer_count,
+                 bytes_text(layer.end_offset).c_str());
+    return arguments.allow_partial ? ToolExit::kOk : ToolExit::kCutOff;
+  }
+  if (!choice.is_met) {
+    std::fprintf(
+        stderr, "nmc-decode: %s: the stream does not reach that error; its finest layer was taken (%s)\n",
+        input.name().c_str(),
+        layer.has_error ? length_text(layer.max_error, outcome.info.units).c_str() : "error not stated");
+    return ToolExit::kTargetNotMet;
+  }
+  if (!arguments.quiet && !arguments.no_output && arguments.output != "-") {
+    std::string line =
+        arguments.output + ": layer " + std::to_string(layer.index + 1) + " of " +
+        std::to_string(outcome.info.layer_count) + ", " + bytes_text(layer.end_offset) + " -> " +
+        std::to_string(outcome.info.base_face_count * (std::uint64_t{1} << (2 * level))) + " triangles";
+    if (layer.has_error) line += ", max error " + length_text(layer.max_error, outcome.info.units);
+    std::fprintf(stderr, "%s\n", line.c_str());
+  }
+  return ToolExit::kOk;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Decodes a .nmc stream to a mesh file.", "nmc-decode");
+  app.set_version_flag("-V,--version", version_line("nmc-decode"));
+  app.add_option("INPUT", arguments.input, "a .nmc file, or - for standard input")->required();
+  app.add_option("-o,--output", arguments.output,
+                 "mesh file, or - for standard output; default INPUT with .ply");
+  app.add_option("--format", arguments.format,
+                 "ply, ply-ascii, obj, stl, off or glb; default from the output's name");
+  auto* how_much = app.add_option_group("How much (one of)");
+  how_much->add_option("--level", arguments.level, "the mesh of level N (0: base mesh)");
+  how_much->add_option("--max-error", arguments.max_error,
+                       "the smallest prefix with this largest distance: 0.05mm, 0.003, 0.01%");
+  how_much->add_option("--rms-error", arguments.rms_error, "the same for the root mean square distance");
+  how_much->add_option("--max-triangles", arguments.max_triangles,
+                       "the finest layer with at most so many triangles");
+  how_much->add_option("--bytes", arguments.size, "what the first bytes give: 20kB, 1.5MiB");
+  how_much->require_option(0, 1);
+  app.add_flag("--allow-partial", arguments.allow_partial,
+               "a stream that is cut off or damaged is fine: write what there is");
+  app.add_option("--positions", arguments.positions,
+                 "float, double or auto: double where float would add to the error")
+      ->check(CLI::IsMember({"auto", "float", "double"}));
+  app.add_option("--normals", arguments.normals, "none, or vertex: normals weighted by area")
+      ->check(CLI::IsMember({"none", "vertex"}));
+  app.add_flag("--hash", arguments.prints_hash, "print the hashes of the decoded integers and positions");
+  app.add_option("--max-alloc", arguments.max_alloc, "largest memory of the decoder, such as 500MB");
+  app.add_option("--max-triangles-limit", arguments.max_triangles_limit,
+                 "refuse larger meshes before allocating");
+  app.add_option("--repeat", arguments.repeat, "decode N times from memory and print the best time")
+      ->check(CLI::Range(1u, 1000000u));
+  app.add_flag("--no-output", arguments.no_output, "write nothing");
+  app.add_flag("-f,--force", arguments.force, "overwrite the output");
+  app.add_flag("--quiet", arguments.quiet, "errors only");
+  app.add_flag("-v", arguments.verbosity, "say more; may be repeated");
+  app.add_option("--progress", arguments.progress, "auto, always or never")
+      ->expected(0, 1)
+      ->default_str("always")
+      ->check(CLI::IsMember({"auto", "always", "never"}));
+  return run_tool(app, argc, argv, [&] { return decode(arguments); });
+}
