@@ -12,6 +12,7 @@
 #include "encoder/core/error.h"
 #include "encoder/measure/color_ramp.h"
 #include "encoder/measure/compare_meshes.h"
+#include "encoder/measure/stream_layers.h"
 #include "encoder/read/mesh_reader.h"
 #include "encoder/render/comparison_picture.h"
 
@@ -25,6 +26,7 @@ struct Arguments {
   std::string original, result;
   bool json = false;
   bool mpeg = false;
+  bool layers = false;
   std::size_t samples = 0;
   std::size_t threads = 0;
   std::string heatmap;
@@ -160,13 +162,67 @@ void write_heatmap(const Arguments& arguments, const TriangleMesh& original, con
   }
 }
 
+TriangleMesh read_surface(const std::string& path) {
+  return nmc::is_stream_name(path) ? nmc::read_stream(path) : nmc::read_mesh(path);
+}
+
+// One row for each layer of the stream: what the bytes up to its end give, as measured and as the stream
+// states it.
+void compare_layers(const Arguments& arguments) {
+  if (!nmc::is_stream_name(arguments.result)) {
+    throw nmc::Error(nmc::ExitCode::kUsage, arguments.result + ": --layers needs a .nmc stream as RESULT");
+  }
+  const TriangleMesh original = read_surface(arguments.original);
+  const nmc::SurfaceIndex index(original);
+  nmc::CompareOptions options;
+  options.sample_count = arguments.samples;
+  options.original_index = &index;
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  if (!arguments.json)
+    fmt::print("     bytes level  triangles          RMS          max   stated RMS   stated max\n");
+  nmc::visit_stream_layers(arguments.result, [&](const nmc::StreamLayer& layer, const TriangleMesh& mesh) {
+    const CompareResult compared = compare_meshes(original, mesh, options);
+    if (arguments.json) {
+      nlohmann::ordered_json row = {{"endByte", layer.end_byte},
+                                    {"level", layer.level},
+                                    {"triangles", mesh.triangle_count()},
+                                    {"rms", compared.rms},
+                                    {"max", compared.maximum},
+                                    {"relativeRms", finite_or_null(compared.relative_rms())},
+                                    {"relativeMax", finite_or_null(compared.relative_maximum())},
+                                    {"normalMeanDegrees", compared.normal_mean_degrees}};
+      if (layer.states_error) {
+        row["statedRms"] = layer.stated_rms;
+        row["statedMax"] = layer.stated_maximum;
+      }
+      rows.push_back(row);
+      return;
+    }
+    const auto stated = [&](double value) {
+      return layer.states_error ? fmt::format("{:12.6g}", value) : "            -";
+    };
+    fmt::print("{:10} {:5} {:10} {:12.6g} {:12.6g} {} {}\n", layer.end_byte, layer.level,
+               mesh.triangle_count(), compared.rms, compared.maximum, stated(layer.stated_rms),
+               stated(layer.stated_maximum));
+  });
+  if (arguments.json) {
+    const nlohmann::ordered_json report = {{"schema", "nmc-compare-layers-v1"},
+                                           {"original", arguments.original},
+                                           {"result", arguments.result},
+                                           {"diagonal", bounding_box(original).diagonal()},
+                                           {"layers", rows}};
+    fmt::print("{}\n", report.dump(2));
+  }
+}
+
 void run(const Arguments& arguments) {
+  if (arguments.layers) return compare_layers(arguments);
   if (!arguments.heatmap.empty() && !ends_with(arguments.heatmap, ".png") &&
       !ends_with(arguments.heatmap, ".ply")) {
     throw nmc::Error(nmc::ExitCode::kUsage, arguments.heatmap + ": a heatmap is a .ply or a .png file");
   }
-  const TriangleMesh original = nmc::read_mesh(arguments.original);
-  const TriangleMesh result = nmc::read_mesh(arguments.result);
+  const TriangleMesh original = read_surface(arguments.original);
+  const TriangleMesh result = read_surface(arguments.result);
   nmc::CompareOptions options;
   options.sample_count = arguments.samples;
   options.mpeg_grid = arguments.mpeg ? 1024 : 0;
@@ -190,10 +246,11 @@ int main(int argc, char** argv) {
   app.add_option("ORIGINAL", arguments.original,
                  "mesh file (PLY, OBJ, STL, OFF, glTF, GLB); distances are relative to it")
       ->required();
-  app.add_option("RESULT", arguments.result, "mesh file")->required();
+  app.add_option("RESULT", arguments.result, "mesh file, or a .nmc stream")->required();
   app.add_flag("--json", arguments.json, "print JSON (schema nmc-compare-v1)");
   app.add_option("--samples", arguments.samples,
                  "points per direction (default: the larger of 200000 and twice the triangles)");
+  app.add_flag("--layers", arguments.layers, "RESULT is a stream: measure the mesh of each of its prefixes");
   app.add_flag("--mpeg", arguments.mpeg, "also MPEG's D1 and D2, sampled on a grid of 1024 lines");
   app.add_option("--heatmap", arguments.heatmap,
                  "write RESULT coloured by its distance to ORIGINAL (.ply), or a picture of both (.png)");

@@ -9,6 +9,7 @@
 
 #include "encoder/core/error.h"
 #include "encoder/measure/compare_meshes.h"
+#include "encoder/measure/stream_layers.h"
 #include "encoder/read/mesh_reader.h"
 #include "encoder/render/comparison_picture.h"
 
@@ -22,7 +23,8 @@ struct Arguments {
 
 void run(Arguments& arguments) {
   const nmc::TriangleMesh original = nmc::read_mesh(arguments.original);
-  const nmc::TriangleMesh result = nmc::read_mesh(arguments.result);
+  const nmc::TriangleMesh result = nmc::is_stream_name(arguments.result) ? nmc::read_stream(arguments.result)
+                                                                         : nmc::read_mesh(arguments.result);
   const nmc::CompareResult compared = compare_meshes(original, result);
   if (arguments.view_from.size() == 3) {
     arguments.picture.view_from =
@@ -44,7 +46,7 @@ int main(int argc, char** argv) {
       "PNG.");
   Arguments arguments;
   app.add_option("--original", arguments.original, "mesh file (PLY, OBJ, STL, OFF, glTF, GLB)")->required();
-  app.add_option("--result", arguments.result, "mesh file")->required();
+  app.add_option("--result", arguments.result, "mesh file, or a .nmc stream")->required();
   app.add_option("-o,--output", arguments.output, "the picture (.png)")->required();
   app.add_option("--size", arguments.picture.panel_size, "pixels of each of the three square panels")
       ->check(CLI::Range(100, 4000))
