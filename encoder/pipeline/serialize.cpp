@@ -143,13 +143,31 @@ StreamBytes serialize(const QuantizedMesh& mesh, const SubdivisionHierarchy& hie
   result.base_size = writer.chunks().size();
 
   std::size_t row_start = 0;
-  const auto shown_level = [&](int levels_done) { return std::min(level_count, levels_done + 2); };
+  // A decoder refuses levels that are large beside the bytes before them (spec 8.2). The header is left out here, so
+  // the bytes are counted too low.
+  const auto bytes_needed = [&](int level) {
+    const std::uint64_t vertex_count = hierarchy.level(level).vertex_count;
+    return vertex_count <= kFreeVertices ? 0 : (vertex_count - kFreeVertices + kVerticesPerByte - 1) / kVerticesPerByte;
+  };
+  const auto shown_level = [&](int levels_done) {
+    int level = std::min(level_count, levels_done + 2);
+    while (level > levels_done && bytes_needed(level) > writer.chunks().size()) --level;
+    return level;
+  };
+  /// Only surfaces with next to no detail need it.
+  const auto fill_up_for = [&](int level) {
+    const std::uint64_t needed = bytes_needed(level);
+    if (needed <= writer.chunks().size()) return;
+    const std::vector<std::uint8_t> spaces(static_cast<std::size_t>(needed - writer.chunks().size()), ' ');
+    check(writer.add_chunk(static_cast<std::uint8_t>(ChunkType::kMetadata), spaces.data(), spaces.size()));
+  };
   std::vector<LevelCoefficients> pending;
   const auto flush = [&](int levels_done) {
     if (pending.empty()) return;
     std::vector<const LevelCoefficients*> pointers;
     for (const LevelCoefficients& level : pending) pointers.push_back(&level);
     const int first = levels_done - static_cast<int>(pending.size());
+    fill_up_for(levels_done == coded_level_count ? level_count : levels_done);
     check(writer.add_levels(0, first, static_cast<int>(pending.size()), pointers.data()));
     pending.clear();
   };

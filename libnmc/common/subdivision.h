@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Connectivity of a semi-regular mesh, level by level (spec 5).
+// Connectivity of a semi-regular mesh, level by level (spec 6.1).
 //
 // Level 0 is the base mesh. One step splits each triangle into four and numbers everything without a search, so
 // that a decoder needs no hash table and two implementations cannot disagree:
