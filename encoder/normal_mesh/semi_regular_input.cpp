@@ -66,8 +66,11 @@ struct CoarserMesh {
 /// Tiles one component with groups of four, starting from the guess that `middle` is the middle of one.
 class Tiler {
  public:
-  Tiler(const std::vector<Triangle>& faces, const FaceNeighbors& neighbors)
-      : faces_(faces), neighbors_(neighbors), group_(faces.size(), kNone) {}
+  Tiler(const std::vector<Triangle>& faces, const FaceNeighbors& neighbors, std::size_t vertex_count)
+      : faces_(faces),
+        neighbors_(neighbors),
+        group_(faces.size(), kNone),
+        roles_(vertex_count, Role::kUnknown) {}
 
   bool is_tiled(std::uint32_t face) const { return group_[face] != kNone; }
 
@@ -99,11 +102,7 @@ class Tiler {
       }
     }
     for (const std::uint32_t f : middles) {
-      Triangle even;
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t inner = neighbors_.across(3 * f + k);
-        even[k] = faces_[inner / 3][inner % 3];
-      }
+      const Triangle even = even_vertices(f);
       // The middle triangle (m0, m1, m2) faces the corner triangles of v0, v1, v2 with its edges 0, 1, 2.
       for (std::size_t k = 0; k < 3; ++k)
         coarser.odd[ordered(even[(k + 1) % 3], even[(k + 2) % 3])] = faces_[f][k];
@@ -113,7 +112,10 @@ class Tiler {
   }
 
  private:
-  /// Takes `middle` and its three neighbours for one group, unless one is missing or taken.
+  enum class Role : std::uint8_t { kUnknown, kEven, kOdd };
+
+  /// Takes `middle` and its three neighbours for one group, unless one is missing or taken, or a vertex would
+  /// be even in one group and odd in another.
   bool claim(std::uint32_t middle, std::vector<std::uint32_t>& middles) {
     if (is_tiled(middle)) return false;
     std::uint32_t members[4] = {middle, 0, 0, 0};
@@ -121,16 +123,39 @@ class Tiler {
       const std::uint32_t slot = neighbors_.across(3 * middle + k);
       if (slot == kNone || is_tiled(slot / 3)) return false;
       members[k + 1] = slot / 3;
+      if (roles_[faces_[middle][k]] == Role::kEven || roles_[faces_[slot / 3][slot % 3]] == Role::kOdd)
+        return false;
     }
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < i; ++j)
         if (members[i] == members[j]) return false;
+    const Triangle even = even_vertices(middle);
+    if (even[0] == even[1] || even[1] == even[2] || even[2] == even[0]) return false;
     for (const std::uint32_t member : members) group_[member] = middle;
     middles.push_back(middle);
+    set_roles(middle, Role::kEven, Role::kOdd);
     return true;
   }
+  /// The tips of the corner triangles: the coarse face.
+  Triangle even_vertices(std::uint32_t middle) const {
+    Triangle even;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t slot = neighbors_.across(3 * middle + k);
+      even[k] = faces_[slot / 3][slot % 3];
+    }
+    return even;
+  }
+  void set_roles(std::uint32_t middle, Role even, Role odd) {
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t slot = neighbors_.across(3 * middle + k);
+      roles_[faces_[slot / 3][slot % 3]] = even;
+      roles_[faces_[middle][k]] = odd;
+    }
+  }
+  /// A failed guess has touched one component only, and no other guess has left anything there.
   void release(const std::vector<std::uint32_t>& middles) {
     for (const std::uint32_t f : middles) {
+      set_roles(f, Role::kUnknown, Role::kUnknown);
       for (std::uint32_t k = 0; k < 3; ++k) group_[neighbors_.across(3 * f + k) / 3] = kNone;
       group_[f] = kNone;
     }
@@ -139,6 +164,7 @@ class Tiler {
   const std::vector<Triangle>& faces_;
   const FaceNeighbors& neighbors_;
   std::vector<std::uint32_t> group_;  // the middle face of each face's group
+  std::vector<Role> roles_;           // of the vertices
 };
 
 /// An odd vertex belongs to one coarse edge only and is no corner of a coarse face, and the coarse faces are
@@ -146,7 +172,6 @@ class Tiler {
 bool is_consistent(const CoarserMesh& coarser, std::size_t vertex_count) {
   std::vector<std::uint8_t> is_even(vertex_count, 0), is_odd(vertex_count, 0);
   for (const Triangle& t : coarser.faces) {
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return false;
     for (const std::uint32_t v : t) is_even[v] = 1;
   }
   for (const auto& [edge, v] : coarser.odd) {
@@ -162,7 +187,7 @@ std::optional<CoarserMesh> undo_split(const std::vector<Triangle>& faces, std::s
   FaceNeighbors neighbors;
   if (!neighbors.build(faces)) return std::nullopt;
   CoarserMesh coarser;
-  Tiler tiler(faces, neighbors);
+  Tiler tiler(faces, neighbors, vertex_count);
   for (std::uint32_t f = 0; f < faces.size(); ++f) {
     if (tiler.is_tiled(f)) continue;
     bool tiled = tiler.tile_component(f, coarser);
