@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <oneapi/tbb/global_control.h>
+
 #include <catch2/catch.hpp>
 #include <numeric>
 
@@ -47,6 +49,19 @@ TEST_CASE("condition: returns a clean mesh bit for bit", "[condition]") {
       CHECK(result.stitched_vertex == identity);
     }
   }
+}
+
+TEST_CASE("condition: gives the same result with one thread and with many", "[condition]") {
+  TriangleMesh mesh =
+      corpus::voxel_surface(16, 16, 16, [](int x, int y, int z) { return (x * y + z) % 3 == 0; });
+  corpus::append(mesh, corpus::loose_triangles(3000));
+  const auto with_threads = [&](std::size_t count) {
+    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism, count);
+    return condition(mesh);
+  };
+  const ConditionedMesh one = with_threads(1), many = with_threads(8);
+  CHECK(test::difference(one.mesh, many.mesh) == "");
+  CHECK(to_json(one.report) == to_json(many.report));
 }
 
 TEST_CASE("condition: carries colours and attributes along with their vertices", "[condition]") {
