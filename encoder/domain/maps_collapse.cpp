@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <numeric>
 
@@ -107,7 +106,6 @@ class Collapser {
 
   void accumulate_quadrics() {
     quadrics_.assign(positions_.size(), {});
-    weight_.assign(positions_.size(), 0);
     for (std::uint32_t f = 0; f < table_.real_face_count(); ++f) {
       const Triangle t = table_.face(f);
       const Vec3 doubled = cross(positions_[t[1]] - positions_[t[0]], positions_[t[2]] - positions_[t[0]]);
@@ -115,10 +113,7 @@ class Collapser {
       if (!(length > 0)) continue;
       const Vec3 normal = doubled / length;
       const Quadric q = plane_quadric(normal, positions_[t[0]], 0.5 * length);
-      for (const std::uint32_t v : t) {
-        quadrics_[v] += q;
-        weight_[v] += 0.5 * length;
-      }
+      for (const std::uint32_t v : t) quadrics_[v] += q;
       for (Corner c = 3 * f; c < 3 * f + 3; ++c) {
         if (!history_.is_chain_edge(table_, c)) continue;
         const std::uint32_t a = table_.vertex(CornerTable::next(c)),
@@ -144,9 +139,7 @@ class Collapser {
     const std::uint32_t b = table_.vertex(table_.opposite(CornerTable::previous(c)));
     if (valence_[a] <= 5 && !table_.is_ghost_vertex(a)) penalty *= valence_penalty(valence_[a] - 1);
     if (valence_[b] <= 5 && !table_.is_ghost_vertex(b)) penalty *= valence_penalty(valence_[b] - 1);
-    static const double G = getenv("GA") ? atof(getenv("GA")) : 0;
-    return (std::max(error, 0.0) + options_.length_weight * length * length) * penalty /
-           std::pow(weight_[v] + 1e-12, G);
+    return (std::max(error, 0.0) + options_.length_weight * length * length) * penalty;
   }
 
   void protect_extremities() {
@@ -327,7 +320,6 @@ class Collapser {
     --valence_[a];
     --valence_[b];
     quadrics_[u] += quadrics_[v];
-    weight_[u] += weight_[v];
     own_error_[u] = quadrics_[u](positions_[u]);
     queue_.remove(v);
     refresh(u);
@@ -355,7 +347,7 @@ class Collapser {
   VertexQueue queue_;
   std::vector<Vec3> positions_;
   std::vector<Quadric> quadrics_;
-  std::vector<double> own_error_, weight_;
+  std::vector<double> own_error_;
   std::vector<int> valence_;
   std::vector<std::uint32_t> mark_;
   std::uint32_t stamp_ = 0;

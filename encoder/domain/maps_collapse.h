@@ -28,7 +28,7 @@ struct CollapseOptions {
   /// Tips of limbs (extremities.h) stay while they are at most this share of the vertices; least prominence
   /// of a tip relative to the square root of the surface area.
   double extremity_share = 0.25;
-  double extremity_prominence = 0.015;
+  double extremity_prominence = 0.04;
 };
 
 /// What a vertex may do: kSmooth moves in two dimensions, kChain along a boundary loop or crease, kLocked

@@ -18,8 +18,8 @@ namespace nmc {
 /// relaxation minimizes, and how long.
 struct RelaxationOptions {
   double dirichlet_weight = 1;
-  double area_weight = 4;
-  double barrier_weight = 0;
+  double area_weight = 2;
+  double barrier_weight = 0.2;
   /// Target areas follow curvature^(2 * density_exponent), up to maximum_density times the flattest places'.
   double density_exponent = 0.33;
   double maximum_density = 16;
