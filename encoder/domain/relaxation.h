@@ -21,8 +21,8 @@ struct RelaxationOptions {
   double area_weight = 2;
   double barrier_weight = 0.2;
   /// Target areas follow curvature^(2 * density_exponent), up to maximum_density times the flattest places'.
-  double density_exponent = 0.33;
-  double maximum_density = 16;
+  double density_exponent = 0.5;
+  double maximum_density = 64;
   /// Target areas are evened out over about this many rings of base faces, not over the whole surface.
   int scale_smoothing = 10;
   int sweeps_per_level = 4;
