@@ -35,6 +35,7 @@ struct Arguments {
   std::optional<double> bits_per_vertex, quality;
   int effort = 5;
   std::optional<int> base, levels;
+  int layers = 1;
   double crease = 0;
   std::string repair = "auto", units, up, report, progress = "auto";
   unsigned threads = 0;
@@ -127,6 +128,7 @@ int run(const Arguments& arguments) {
   options.effort = arguments.effort;
   options.base_vertex_count = arguments.base;
   options.level_count = arguments.levels;
+  options.quality_layer_count = arguments.layers;
   options.crease_angle_degrees = arguments.crease;
   if (!arguments.units.empty()) options.units = nmc::parse_units(arguments.units);
   if (!arguments.up.empty()) options.up_axis = arguments.up == "y" ? nmc::UpAxis::kY : nmc::UpAxis::kZ;
@@ -229,6 +231,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(3, 1000000));
   app.add_option("--levels", arguments.levels, "subdivision levels (default: chosen by cost)")
       ->check(CLI::Range(1, 10));
+  app.add_option("--layers", arguments.layers,
+                 "quality layers, 1 ... 6: each refines all levels, so prefixes are better and the whole is larger")
+      ->check(CLI::Range(1, 6))
+      ->capture_default_str();
   app.add_option("--crease", arguments.crease, "keep edges sharper than this angle in degrees; 0: none")
       ->check(CLI::Range(0.0, 180.0));
   app.add_option("--repair", arguments.repair, "auto: repair and report; none: refuse; strict: refuse any defect")

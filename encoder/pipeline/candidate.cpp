@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "encoder/fit/quality_layers.h"
 #include "encoder/measure/compare_meshes.h"
 #include "encoder/normal_mesh/sample_correspondences.h"
 #include "encoder/pipeline/maximum_repair.h"
@@ -111,8 +112,14 @@ MeasuredError Candidate::fitted_error() const {
 
 Trial Candidate::quantize(double normal_step, const StreamDescription& description, const TrialOptions& options) {
   Trial trial;
+  // The base of a layered stream is hardly corrected later, so its grid is finer: by the square root of the ratio
+  // between the first and the last layer, as near as the header can say it.
+  const int layer_count = options.quality_layer_count;
+  const int base_eighths =
+      static_cast<int>(std::lround(8 * 0.5 * (layer_count - 1) * std::log2(static_cast<double>(options.layer_ratio))));
   trial.steps = stream_steps(normal_step, state_->options.coded_level_count, options.eighths_per_level,
-                             options.eighths_base_to_level_0, options.eighths_tangential);
+                             options.eighths_base_to_level_0 + base_eighths, options.eighths_tangential);
+  trial.layer_ratio = layer_count > 1 ? options.layer_ratio : 1;
   QuantizeOptions quantize;
   quantize.normal_step = trial.steps.normal_step(state_->options.coded_level_count - 1);
   quantize.step_ratio = std::exp2(options.eighths_per_level / 8.0);
@@ -121,13 +128,24 @@ Trial Candidate::quantize(double normal_step, const StreamDescription& descripti
   quantize.base_origin = stream_origin(trial.steps, description.box.minimum).position(trial.steps);
   quantize.lambda_factor = options.lambda_factor;
   trial.normal_step = quantize.normal_step;
-  trial.mesh = state_->quantizer->quantize(quantize);
+  if (layer_count > 1) {
+    LayerOptions layers;
+    layers.finest = quantize;
+    layers.layer_count = layer_count;
+    layers.ratio = options.layer_ratio;
+    layers.base_refinement = std::exp2(base_eighths / 8.0);
+    trial.coarser_layers = quantize_layers(layers, *state_->quantizer);
+    trial.mesh = std::move(trial.coarser_layers.back());
+    trial.coarser_layers.pop_back();
+  } else {
+    trial.mesh = state_->quantizer->quantize(quantize);
+  }
   assess(description, options, trial);
   return trial;
 }
 
 void Candidate::assess(const StreamDescription& description, const TrialOptions& options, Trial& trial) const {
-  trial.byte_count = serialize(trial.mesh, hierarchy(), base_creases(), trial.steps, description).bytes.size();
+  trial.byte_count = code(trial, description, {}).bytes.size();
   const int level = hierarchy().level_count();
   trial.error = measure(reconstruct(trial.mesh, hierarchy(), level), level,
                         static_cast<std::size_t>(options.measure_sample_count));
@@ -146,7 +164,15 @@ StreamBytes Candidate::finish(const Trial& trial, const StreamDescription& descr
   const auto measure_level = [&](const std::vector<Vec3>& positions, int level) {
     return measure(positions, level, 0);
   };
-  return serialize(trial.mesh, hierarchy(), base_creases(), trial.steps, description, measure_level);
+  return code(trial, description, measure_level);
+}
+
+StreamBytes Candidate::code(const Trial& trial, const StreamDescription& description,
+                            const MeasureLevel& measure_level) const {
+  std::vector<const QuantizedMesh*> layers;
+  for (const QuantizedMesh& layer : trial.coarser_layers) layers.push_back(&layer);
+  layers.push_back(&trial.mesh);
+  return serialize(layers, trial.layer_ratio, hierarchy(), base_creases(), trial.steps, description, measure_level);
 }
 
 }  // namespace nmc

@@ -47,13 +47,17 @@ struct TrialOptions {
   int eighths_tangential = 15;
   int measure_sample_count = 0;  // per direction; 0: those of the final measurement
   double lambda_factor = 0.08;
+  int quality_layer_count = 1;
+  int layer_ratio = 3;
 };
 
 /// The outcome of quantizing with one step.
 struct Trial {
   double normal_step = 0;
   StreamSteps steps;
-  QuantizedMesh mesh;
+  std::vector<QuantizedMesh> coarser_layers;  // quality layers before the last
+  int layer_ratio = 1;
+  QuantizedMesh mesh;                         // the last quality layer
   std::size_t byte_count = 0;
   MeasuredError error;
 };
@@ -88,6 +92,7 @@ class Candidate {
   MeasuredError measure(const std::vector<Vec3>& positions, int level, std::size_t sample_count) const;
 
  private:
+  StreamBytes code(const Trial& trial, const StreamDescription& description, const MeasureLevel& measure_level) const;
   /// Size and error of trial.mesh.
   void assess(const StreamDescription& description, const TrialOptions& options, Trial& trial) const;
 

@@ -213,6 +213,7 @@ class MeshEncoder {
     TargetSearchOptions search;
     search.maximum_trials = plan_.trials_per_candidate;
     search.trial.measure_sample_count = 60000;
+    search.trial.quality_layer_count = options_.quality_layer_count;
     const double first_step =
         step_guess_ > 0 ? step_guess_
                         : result_.diagonal * 2e-3 * std::pow(relative_target() / 1.8e-4, 1.6);
@@ -290,6 +291,7 @@ class MeshEncoder {
     final_trial.error = result_.error;
     for (int tries = 0; best_.met && target_ratio(options_.target, final_trial) > 1 && tries < 3; ++tries) {
       TrialOptions trial;
+      trial.quality_layer_count = options_.quality_layer_count;
       best_.trial = best_.candidate->quantize(best_.trial.normal_step * 0.985, description_, trial);
       result_.stream = best_.candidate->finish(best_.trial, description_);
       result_.error = result_.stream.rows.back().error;

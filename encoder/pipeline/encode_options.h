@@ -29,6 +29,7 @@ struct EncodeOptions {
   int effort = 5;                       // 1 ... 9
   std::optional<int> base_vertex_count; // default: chosen by cost
   std::optional<int> level_count;       // default: chosen by cost
+  int quality_layer_count = 1;          // 1: smallest file; more: better prefixes
   double crease_angle_degrees = 0;      // 0: no creases
   ConditionOptions condition;
   Units units = Units::kUnknown;

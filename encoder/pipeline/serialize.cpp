@@ -80,9 +80,10 @@ Vec3 StreamOrigin::position(const StreamSteps& steps) const {
   return {static_cast<double>(at[0]) * step, static_cast<double>(at[1]) * step, static_cast<double>(at[2]) * step};
 }
 
-StreamBytes serialize(const QuantizedMesh& mesh, const SubdivisionHierarchy& hierarchy,
-                      const std::vector<std::uint8_t>& base_creases, const StreamSteps& steps,
-                      const StreamDescription& description, const MeasureLevel& measure) {
+StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer_ratio,
+                      const SubdivisionHierarchy& hierarchy, const std::vector<std::uint8_t>& base_creases, const StreamSteps& steps, const StreamDescription& description,
+                      const MeasureLevel& measure) {
+  const QuantizedMesh& mesh = *layers.front();
   const LevelTopology& base = hierarchy.level(0);
   const int coded_level_count = mesh.level_count();
   const int level_count = coded_level_count + mesh.smoothing_level_count;
@@ -105,6 +106,9 @@ StreamBytes serialize(const QuantizedMesh& mesh, const SubdivisionHierarchy& hie
   header.base_vertex_count = base.vertex_count;
   header.base_face_count = base.face_count;
   header.level_count = level_count;
+  header.quality_layer_count = static_cast<int>(layers.size());
+  if (header.quality_layer_count > kMaximumLayerCount) throw Error(ExitCode::kLimit, "too many quality layers");
+  for (std::size_t k = 1; k < layers.size(); ++k) header.layer_ratio[k] = static_cast<std::uint8_t>(layer_ratio);
   header.tangential_code = step_code(steps.eighths_tangential);
   for (int l = 0; l < level_count; ++l) {
     const bool coded = l < coded_level_count;
@@ -195,6 +199,23 @@ StreamBytes serialize(const QuantizedMesh& mesh, const SubdivisionHierarchy& hie
     result.level_sizes.push_back(writer.chunks().size() - before);
     end_row(last ? level_count : shown_level(l + 1));
     row_start = writer.chunks().size();
+  }
+
+  // Later quality layers refine all levels; their rows show the finest level, half of each layer's levels at a time.
+  for (std::size_t k = 1; k < layers.size(); ++k) {
+    const QuantizedMesh& layer = *layers[k];
+    const int number = static_cast<int>(k);
+    check(writer.add_base_correction(number, layer.base_coordinates.front().data()));
+    for (int first = 0; first < coded_level_count;) {
+      const int last = first == 0 && coded_level_count > 1 ? coded_level_count - 1 : coded_level_count;
+      std::vector<LevelCoefficients> levels;
+      for (int l = first; l < last; ++l) levels.push_back(coefficients_of(layer, l));
+      std::vector<const LevelCoefficients*> pointers;
+      for (const LevelCoefficients& level : levels) pointers.push_back(&level);
+      check(writer.add_levels(number, first, last - first, pointers.data()));
+      first = last;
+      end_row(level_count);
+    }
   }
 
   Array<std::uint8_t> bytes;

@@ -66,9 +66,11 @@ struct StreamBytes {
   std::uint64_t state_hash = 0, position_hash = 0;
 };
 
-/// Codes `mesh`, whose hierarchy is in stream order, with the given steps (those it was quantized with). Without
-/// `measure` the errors of the table are zero and the size is that of the final file.
-StreamBytes serialize(const QuantizedMesh& mesh, const SubdivisionHierarchy& hierarchy,
+/// Codes the quality layers of a mesh whose hierarchy is in stream order: `layers` are complete meshes, coarse to fine,
+/// each with steps `layer_ratio` times finer than the one before; `steps` are those of the last. Without `measure` the
+/// errors of the table are zero and the size is that of the final file.
+StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer_ratio,
+                      const SubdivisionHierarchy& hierarchy,
                       const std::vector<std::uint8_t>& base_creases, const StreamSteps& steps,
                       const StreamDescription& description, const MeasureLevel& measure = {});
 

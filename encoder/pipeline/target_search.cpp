@@ -34,6 +34,7 @@ TargetSearchResult search_maximum_error(Candidate& candidate, const Target& targ
     if (target_ratio(target, trial) > 1) candidate.repair(target.value, description, options.trial, trial);
     Trial record = trial;
     record.mesh = {};
+    record.coarser_layers.clear();
     result.trials.push_back(std::move(record));
     const double ratio = target_ratio(target, trial);
     (ratio <= 1 ? meets : fails) = step;
@@ -74,6 +75,7 @@ TargetSearchResult search_target(Candidate& candidate, const Target& target, con
     const Point point{std::log(trial.normal_step), std::log(ratio)};
     Trial record = trial;
     record.mesh = {};
+    record.coarser_layers.clear();
     result.trials.push_back(std::move(record));
     const bool met = ratio <= 1;
     const auto better = [&](const std::optional<Trial>& old) {
