@@ -20,6 +20,11 @@ struct LayerOptions {
   QuantizeOptions finest;  // of the last layer
   int layer_count = 1;
   int ratio = 3;  // between the steps of neighbouring layers, >= 2
+  /// The base is coded with the first layer and hardly ever corrected, so its grid is this much finer than
+  /// the steps of that layer ask for; 0: the square root of the ratio between the first and the last layer.
+  double base_refinement = 0;
+  /// Pull of the first layer's base towards its place in the unquantized fit (QuantizeOptions::base_pull).
+  double base_pull = 1;
 };
 
 /// One mesh per layer, coarse to fine; each one complete. Their steps are finest.normal_step * ratio^(K - 1 -

@@ -76,6 +76,8 @@ class Quantization {
     // What may never move (along a boundary) is not coded either.
     for (std::size_t i = layout_.tangential_begin.front(); i < layout_.count; ++i)
       if (!active_[i]) values_[i] = 0;
+    fitted_base_.assign(values_.begin(),
+                        values_.begin() + static_cast<std::ptrdiff_t>(3 * layout_.base_vertex_count));
     if (previous) start_at(*previous);
     const int finest = layout_.coded_level_count - 1;
     double curvature = 0;
@@ -134,7 +136,8 @@ class Quantization {
     minimize.maximum_outer = outer;
     minimize.maximum_inner = inner;
     minimize.inner_tolerance = tolerance;
-    const bool anchored = !previous_values_.empty() && options_.refinement_weight > 0;
+    const bool anchored =
+        options_.base_pull > 0 || (!previous_values_.empty() && options_.refinement_weight > 0);
     if (anchored) update_anchor();
     system_.minimize(active_, minimize, values_, anchored ? &anchor_ : nullptr);
   }
@@ -257,12 +260,15 @@ class Quantization {
   }
 
  private:
-  /// A refinement starts where the previous layer ended, and so moves only where the error asks for it.
+  /// A refinement starts where the previous layer ended, and so moves only where the error asks for it. The
+  /// base stays: what is worth a correction is found by the descent.
   void start_at(const QuantizedMesh& previous) {
     for (std::size_t v = 0; v < layout_.base_vertex_count; ++v)
-      for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t k = 0; k < 3; ++k) {
         values_[3 * v + k] =
             previous.base_origin[static_cast<int>(k)] + previous.base_step * previous.base_coordinates[v][k];
+        active_[3 * v + k] = 0;
+      }
     for (int l = 0; l < layout_.coded_level_count; ++l) {
       const auto level = static_cast<std::size_t>(l);
       for (std::size_t e = 0; e < previous.normal[level].size(); ++e)
@@ -291,20 +297,19 @@ class Quantization {
       anchor_.center[i] = center;
       anchor_.weight[i] = scale / ((1 + q) * std::max(q, 0.5) * delta * delta);
     };
+    if (options_.base_pull > 0) {
+      for (std::size_t i = 0; i < fitted_base_.size(); ++i) {
+        anchor_.center[i] = fitted_base_[i];
+        anchor_.weight[i] = lambda_ * options_.base_pull / (base_step() * base_step());
+      }
+    }
+    if (previous_values_.empty()) return;
     for (int l = 0; l < layout_.coded_level_count; ++l) {
       const std::size_t begin = layout_.normal_begin[static_cast<std::size_t>(l)];
       const std::size_t vertex_count = hierarchy_.level(l).vertex_count;
-      for (std::size_t e = 0; e < hierarchy_.level(l).edge_count; ++e) {
-        if (!active_[begin + e]) continue;
-        pull(begin + e, previous_values_.empty() ? 0.0 : previous_values_[vertex_count + e] * step(l),
-             step(l));
-      }
+      for (std::size_t e = 0; e < hierarchy_.level(l).edge_count; ++e)
+        if (active_[begin + e]) pull(begin + e, previous_values_[vertex_count + e] * step(l), step(l));
     }
-    if (previous_coordinates_.empty()) return;
-    for (std::size_t v = 0; v < layout_.base_vertex_count; ++v)
-      for (std::size_t k = 0; k < 3; ++k)
-        pull(3 * v + k, options_.base_origin[static_cast<int>(k)] + base_step() * previous_coordinates_[v][k],
-             base_step());
   }
   void store_level(int l) {
     const std::size_t begin = layout_.normal_begin[static_cast<std::size_t>(l)];
@@ -358,6 +363,7 @@ class Quantization {
   std::vector<std::array<std::int32_t, 3>> coordinates_;
   double lambda_ = 0;
   Anchor anchor_;
+  std::vector<double> fitted_base_;  // positions of the base vertices in the fit without quantization
 };
 
 }  // namespace

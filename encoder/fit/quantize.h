@@ -42,6 +42,9 @@ struct QuantizeOptions {
   int active_set_rounds = 2;
   /// Rounds of coordinate descent over all levels.
   int descent_rounds = 3;
+  /// Strength of the pull of base vertices towards their place in the unquantized fit, in bits per squared
+  /// grid step; 0: none. Layers that all stay near the same base need small corrections.
+  double base_pull = 0;
   /// In refinements, how much of the rate enters the least squares: the difference d to the previous layer,
   /// in steps, is charged with dR/d|d| = refinement_weight / (1 + |d|) bits. 0: no charge before rounding.
   /// (In a first layer such a charge gains nothing.)
