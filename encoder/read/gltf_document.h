@@ -3,7 +3,9 @@
 //
 // Only what geometry needs is looked at; images are never opened. The JSON comes from nlohmann-json, whose
 // parser and destructor do not recurse, so nesting cannot exhaust the stack. Buffers stay where they are: the
-// binary chunk of a .glb is used in place.
+// binary chunk of a .glb is used in place. tinygltf is not used: its 2.7.0 reads eight bytes beyond a GLB
+// whose binary chunk is eight bytes too long, leaves out a primitive it cannot parse instead of failing, and
+// copies every buffer.
 #ifndef NMC_ENCODER_READ_GLTF_DOCUMENT_H_
 #define NMC_ENCODER_READ_GLTF_DOCUMENT_H_
 
