@@ -51,8 +51,8 @@ struct ConditionOptions {
   double small_hole_area_fraction = 0.005;   // area of the fill relative to its component
 
   /// Dust: components whose box has a diagonal below `dust_diagonal_fraction` of the whole one and whose area
-  /// is below `dust_area_fraction` of the whole area. Counted always, dropped only where asked. The defaults
-  /// make dust invisible: 1/1000 of the diagonal is one pixel of a full-screen view.
+  /// is below `dust_area_fraction` of the whole area. Dropped only where asked, and never all there is. With
+  /// the defaults dust is invisible: 1/1000 of the diagonal is one pixel of a full-screen view.
   bool drop_dust = false;
   double dust_diagonal_fraction = 1e-3;
   double dust_area_fraction = 1e-6;

@@ -131,37 +131,38 @@ std::string to_json(const ConditionReport& report, std::size_t component_limit) 
 std::string to_text(const ConditionReport& report) {
   std::string text = fmt::format("input: {}, {}\n", counted(report.input_vertices, "vertex", "vertices"),
                                  counted(report.input_triangles, "triangle"));
-  const auto line = [&](std::size_t count, const char* what) {
-    if (count > 0) text += fmt::format("  {:>9} {}\n", count, what);
+  const auto line = [&](std::size_t count, const char* noun, const std::string& what) {
+    if (count > 0) text += fmt::format("  {:>9} {}{} {}\n", count, noun, count == 1 ? "" : "s", what);
   };
-  line(report.count(TriangleFate::kOutOfRange), "triangles dropped: they name a vertex that does not exist");
-  line(report.count(TriangleFate::kNonFinite), "triangles dropped: a corner is not finite");
-  line(report.count(TriangleFate::kDegenerate), "triangles dropped: two corners are the same point");
-  line(report.count(TriangleFate::kDuplicate), "triangles dropped: stored twice");
-  line(report.count(TriangleFate::kOppositeDuplicate), "triangles dropped: stored twice, front and back");
-  line(report.count(TriangleFate::kSliver), "triangles without area dropped, their neighbours closed up");
-  line(report.count(TriangleFate::kDust),
-       fmt::format("triangles dropped as dust ({})", counted(report.dust_components, "component")).c_str());
-  line(report.caps_flipped, "triangles without area removed by flipping an edge");
-  line(report.slivers_left,
-       "triangles without area left: nothing could be done without changing the surface");
-  line(report.count(TriangleFate::kReoriented), "triangles turned around");
-  line(report.turned_components, "of the closed components were inside out");
-  line(report.unreferenced_vertices, "vertices left out: no triangle uses them");
-  line(report.non_finite_vertices, "vertices left out: not finite");
-  line(report.welded_exactly, "vertices welded: at the position of another");
-  line(report.welded_nearby,
-       fmt::format("vertices welded: within {:.3g} of another", report.weld_distance).c_str());
-  line(report.t_junctions_closed, "T-junctions closed");
-  line(report.non_manifold_edges, fmt::format("edges with more than two triangles taken apart, {} left open",
-                                              report.non_manifold_edges_open)
-                                      .c_str());
-  line(report.non_manifold_vertices, "vertices that joined several sheets taken apart");
-  line(report.cut_edges, fmt::format("edges opened: {} cannot be oriented",
-                                     counted(report.non_orientable_components, "component"))
-                             .c_str());
-  line(report.filled_holes,
-       fmt::format("small holes filled with {}", counted(report.filled_hole_triangles, "triangle")).c_str());
+  const auto vertex_line = [&](std::size_t count, const std::string& what) {
+    if (count > 0) text += fmt::format("  {:>9} {} {}\n", count, count == 1 ? "vertex" : "vertices", what);
+  };
+  const char* triangle = "triangle";
+  line(report.count(TriangleFate::kOutOfRange), triangle, "dropped: names a vertex that does not exist");
+  line(report.count(TriangleFate::kNonFinite), triangle, "dropped: a corner is not finite");
+  line(report.count(TriangleFate::kDegenerate), triangle, "dropped: two corners are the same point");
+  line(report.count(TriangleFate::kDuplicate), triangle, "dropped: stored twice");
+  line(report.count(TriangleFate::kOppositeDuplicate), triangle, "dropped: stored twice, front and back");
+  line(report.count(TriangleFate::kSliver), triangle, "without area dropped, the neighbours closed up");
+  line(report.count(TriangleFate::kDust), triangle,
+       fmt::format("dropped as dust ({})", counted(report.dust_components, "component")));
+  line(report.caps_flipped, triangle, "without area removed by flipping an edge");
+  line(report.slivers_left, triangle,
+       "without area left: nothing could be done without changing the surface");
+  line(report.count(TriangleFate::kReoriented), triangle, "turned around");
+  line(report.turned_components, "component", "turned as a whole: inside out");
+  vertex_line(report.unreferenced_vertices, "left out: in no triangle");
+  vertex_line(report.non_finite_vertices, "left out: not finite");
+  vertex_line(report.welded_exactly, "welded: at the position of another");
+  vertex_line(report.welded_nearby, fmt::format("welded: within {:.3g} of another", report.weld_distance));
+  line(report.t_junctions_closed, "T-junction", "closed");
+  line(report.non_manifold_edges, "edge",
+       fmt::format("with more than two triangles taken apart, {} left open", report.non_manifold_edges_open));
+  vertex_line(report.non_manifold_vertices, "joining several sheets taken apart");
+  line(report.cut_edges, "edge",
+       fmt::format("opened: {} cannot be oriented", counted(report.non_orientable_components, "component")));
+  line(report.filled_holes, "small hole",
+       fmt::format("filled with {}", counted(report.filled_hole_triangles, "triangle")));
   std::size_t closed = 0;
   for (const ConditionedComponent& component : report.components) closed += component.is_closed();
   text += fmt::format("surface: {}, {}, {} ({} closed), genus {}, {}\n",
