@@ -10,7 +10,8 @@ chosen freely while bits cannot; the envelope is the smallest value of all curve
 import math
 from collections import defaultdict
 
-ENVELOPE_PEERS = ("draco", "lindstrom-turk+draco", "meshopt-simplify+draco", "openmesh-quadric+draco")
+ENVELOPE_PEERS = ("draco", "lindstrom-turk+draco", "meshopt-simplify+draco", "openmesh-quadric+draco",
+                  "vcglib-tridecimator+draco")
 
 
 def pareto_front(points):
@@ -62,21 +63,23 @@ def curve_families(rows, error="rms"):
 
 
 def envelope_at(rows, error, kind="rms", peers=ENVELOPE_PEERS):
-    """(bytes, peer, other error) of the cheapest peer at `error`; None where no curve reaches."""
+    """(bytes, peer, other error) of the cheapest peer at `error`; None where none reaches it.
+
+    A file that errs less than asked counts as it is: where the coarsest setting of a peer is already finer than
+    `error`, its bytes stand, so that an envelope that ends early does not flatter anyone.
+    """
     best = None
     for (peer, _), triples in curve_families(rows, kind).items():
         if peer not in peers:
             continue
+        candidates = [(size, other) for size, own, other in triples if own <= error]
         size = bytes_at([triple[:2] for triple in triples], error)
-        if size is not None and (best is None or size < best[0]):
-            best = (size, peer, other_error_at(triples, error))
+        if size is not None:
+            candidates.append((size, other_error_at(triples, error)))
+        for size, other in candidates:
+            if best is None or size < best[0]:
+                best = (size, peer, other)
     return best
-
-
-def envelope_floor(rows, peers=ENVELOPE_PEERS):
-    """Smallest bytes and coarsest error that the peers were run at."""
-    reached = [(int(row["bytes"]), float(row["rms"])) for row in rows if row["peer"] in peers]
-    return min(reached) if reached else None
 
 
 def bjontegaard_delta(points, reference_at, low, high, steps=64):

@@ -20,6 +20,12 @@ def rows_by_mesh(rows):
     return grouped
 
 
+def with_fixed_envelope(peer_rows, fixed_rows):
+    """`peer_rows`, and for meshes on which no simplifier has been run here the envelope's rows of the fixed points."""
+    done = {row["mesh"] for row in peer_rows if row["peer"].endswith("+draco")}
+    return peer_rows + [row for row in fixed_rows if row["peer"] in curves.ENVELOPE_PEERS and row["mesh"] not in done]
+
+
 def compare_with_envelope(nmc_rows, peer_rows, meshes, settings="", targets=TARGETS):
     """One dictionary (COLUMNS) for each mesh and target; fields that do not exist are empty."""
     peers_of, nmc_of = rows_by_mesh(peer_rows), rows_by_mesh(nmc_rows)

@@ -188,6 +188,7 @@ void run_table_3_1(const Settings& settings) {
           p.inm_seconds, p.inm_non_normal);
       VariationalOptions variational;
       variational.interpolating = options;
+      variational.fit_base = false;  // S^0 = R^0, as in Fig. 3.6
       const Stopwatch vnm_clock;
       const VariationalResult vnm = variational_normal_mesh(*model.surface, index, model.base, variational);
       const double vnm_seconds = vnm_clock.cpu_seconds();
@@ -225,6 +226,7 @@ void run_levels(const Settings& settings) {
     const InterpolatingResult inm = interpolate(*model.surface, index, model.base, options);
     VariationalOptions variational;
     variational.interpolating = options;
+    variational.fit_base = false;  // S^0 = R^0, as in Fig. 3.6
     const VariationalResult vnm = variational_normal_mesh(*model.surface, index, model.base, variational);
     const SubdivisionHierarchy& hierarchy = inm.mesh.hierarchy;
     const std::vector<std::vector<Vec3>> vvm =
@@ -271,6 +273,7 @@ void run_zone_sphere(const Settings& settings) {
   const InterpolatingResult inm = interpolate(*model.surface, index, model.base, options);
   VariationalOptions variational;
   variational.interpolating = options;
+  variational.fit_base = false;  // S^0 = R^0, as in Fig. 3.6
   const VariationalResult vnm = variational_normal_mesh(*model.surface, index, model.base, variational);
   // The radius along the equator, where the local frequency grows from 0 to 16 pi waves per turn: the share
   // of the displacement's energy in windows of longitude. What a level cannot resolve should be zero, not

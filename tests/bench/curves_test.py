@@ -49,6 +49,11 @@ class Envelope(unittest.TestCase):
         self.assertAlmostEqual(size, 1000)
         self.assertAlmostEqual(maximum, 1e-2)
 
+    def test_where_a_curve_ends_early_its_last_file_stands(self):
+        rows = [row("draco", "bits=7", 5000, 2e-2), row("draco", "bits=12", 50000, 1e-4),
+                row("lindstrom-turk+draco", "triangles=500 bits=9", 300, 5e-3, 4e-2)]
+        self.assertEqual(curves.envelope_at(rows, 1e-2), (300, "lindstrom-turk+draco", 4e-2))
+
     def test_peers_outside_of_the_envelope_do_not_count(self):
         rows = [row("openctm", "bits=8", 1, 1e-2), row("openctm", "bits=9", 2, 1e-4)]
         self.assertIsNone(curves.envelope_at(rows, 1e-3))
