@@ -21,6 +21,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// squared.
 constexpr double kChainWeight = 10;
 constexpr int kMaximumValence = 9;
+/// Far from a base two more are allowed. Eleven faces span 660 degrees of the domain: when a vertex splits on
+/// the way back, one of the two parts of its ring spans less than 360, and that part's vertex finds room.
+constexpr int kLooseValence = 2;
 /// Of boundary vertices, in faces including the two ghosts: their faces then span at most 300 degrees of the
 /// domain, and a vertex that splits off on the way back finds room.
 constexpr int kMaximumBoundaryValence = 7;
@@ -137,6 +140,8 @@ class Collapser {
     double penalty = valence_penalty(valence_[u] + valence_[v] - 4);
     const std::uint32_t a = table_.vertex(CornerTable::previous(c));
     const std::uint32_t b = table_.vertex(table_.opposite(CornerTable::previous(c)));
+    for (const std::uint32_t w : {a, b})
+      if (valence_[w] >= 9 && !table_.is_ghost_vertex(w)) penalty *= 0.25;
     if (valence_[a] <= 5 && !table_.is_ghost_vertex(a)) penalty *= valence_penalty(valence_[a] - 1);
     if (valence_[b] <= 5 && !table_.is_ghost_vertex(b)) penalty *= valence_penalty(valence_[b] - 1);
     return (std::max(error, 0.0) + options_.length_weight * length * length) * penalty;
@@ -213,7 +218,7 @@ class Collapser {
     const int merged = valence_[v] + valence_[u] - 4;
     if (merged > kMaximumBoundaryValence && merged > valence_[u] && table_.is_boundary_vertex(u))
       return false;
-    if (merged > kMaximumValence + (strict_ ? 0 : 3) && merged > valence_[u]) return false;
+    if (merged > kMaximumValence + (strict_ ? 0 : kLooseValence) && merged > valence_[u]) return false;
     for (const std::uint32_t w : {a, b}) {
       const bool free = table_.is_ghost_vertex(w) || history_.kinds[w] != VertexKind::kSmooth;
       if (valence_[w] - 1 < (strict_ && !free && relaxed_ == 0 ? 4 : 3)) return false;
