@@ -48,7 +48,7 @@ struct QuantizeOptions {
   /// In refinements, how much of the rate enters the least squares: the difference d to the previous layer,
   /// in steps, is charged with dR/d|d| = refinement_weight / (1 + |d|) bits. 0: no charge before rounding.
   /// (In a first layer such a charge gains nothing.)
-  double refinement_weight = 1.5;
+  double refinement_weight = 0.5;
   /// Points of the input farther than this many RMS distances from the surface pull on it; 0: none do.
   double reach_multiple = 2;
   /// Correspondences follow the surface this many times (needs an input surface).
