@@ -43,7 +43,7 @@ struct InterpolatingOptions {
   /// kAdaptive: a way that is longer than its chords by this share halves the aperture, by twice as much
   /// divides it by three, and so on, down to least_aperture.
   double bulge_tolerance = 0.02;
-  double least_aperture = 0.1;
+  double least_aperture = 0.15;
   ParameterPrediction parameter_prediction = ParameterPrediction::kButterfly;
   /// Share of the butterfly's correction; 0 is midpoint prediction of positions.
   double tension = 1;
