@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// Puts the WebAssembly into the module: nmc-decoder.src.mjs to nmc-decoder.mjs, which is not kept in the tree.
+// Usage: node build.mjs [DIRECTORY OF nmc_decoder.wasm]; without it the module is compiled first.
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { brotliCompressSync } from 'node:zlib';
+
+const here = dirname(fileURLToPath(import.meta.url));
+let directory = process.argv[2];
+if (!directory) {
+  directory = mkdtempSync(join(tmpdir(), 'nmc-wasm-'));
+  execFileSync(join(here, '../wasm/build_wasm.sh'), [directory], { stdio: 'inherit' });
+}
+const wasm = readFileSync(join(directory, 'nmc_decoder.wasm'));
+const source = readFileSync(join(here, 'nmc-decoder.src.mjs'), 'utf8');
+const bundle = source.replace('@MODULE_BASE64@', wasm.toString('base64'));
+writeFileSync(join(here, 'nmc-decoder.mjs'), bundle);
+const size = (bytes) => `${bytes.length} bytes, ${brotliCompressSync(bytes).length} with brotli`;
+console.log(`nmc_decoder.wasm: ${size(wasm)}; nmc-decoder.mjs: ${size(Buffer.from(bundle))}`);

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// The package under node: the conformance vectors, streaming, limits and errors.
+import assert from 'node:assert/strict';
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { test } from 'node:test';
+import { fileURLToPath } from 'node:url';
+
+import { decode, NmcDecoder, NmcError, NmcStream } from '../nmc-decoder.mjs';
+
+const here = dirname(fileURLToPath(import.meta.url));
+const vectors = join(here, '../../../tests/conformance/vectors');
+const ids = JSON.parse(readFileSync(join(vectors, 'index.json'), 'utf8'));
+const bytesOf = (id) => new Uint8Array(readFileSync(join(vectors, id, 'stream.nmc')));
+
+/** Everything there is to see of a stream, fed in pieces. */
+async function look(bytes, limits, piece) {
+  const decoder = await NmcDecoder.create({ limits });
+  const seen = { status: 'NMC_OK', layers: [] };
+  try {
+    for (let position = 0; ;) {
+      const event = decoder.next();
+      if (event === 'layer') {
+        seen.layers.push({ level: decoder.layer.level, endByte: decoder.layer.bytes,
+          stateHash: decoder.stateHash(), positionHash: decoder.positionHash() });
+      }
+      if (event !== null) continue;
+      if (position >= bytes.length) {
+        decoder.finish();
+        break;
+      }
+      decoder.feed(bytes.subarray(position, position + piece));
+      position += piece;
+    }
+  } catch (error) {
+    assert.ok(error instanceof NmcError, String(error));
+    Object.assign(seen, { status: error.code, errorOffset: error.byteOffset, errorSection: error.specSection });
+  }
+  decoder.dispose();
+  return seen;
+}
+
+test('every conformance vector: hashes and errors equal to those of the library', async () => {
+  assert.ok(ids.length >= 60);
+  for (const id of ids) {
+    const expected = JSON.parse(readFileSync(join(vectors, id, 'expected.json'), 'utf8'));
+    const { layers, status, errorOffset, errorSection } = expected;
+    const wanted = status === 'NMC_OK' ? { status, layers } : { status, layers, errorOffset, errorSection };
+    for (const piece of [1 << 20, 7]) assert.deepEqual(await look(bytesOf(id), expected.limits, piece), wanted, id);
+  }
+});
+
+test('decode: indices in range, positions finite, normals of length one', async () => {
+  const mesh = await decode(bytesOf('layers-3'), { normals: true, hashes: true });
+  assert.equal(mesh.positions.length, mesh.normals.length);
+  assert.equal(mesh.indices.length, 3 * mesh.layer.triangles);
+  assert.ok(mesh.indices.every((i) => i < mesh.positions.length / 3));
+  assert.ok(mesh.positions.every(Number.isFinite));
+  for (let v = 0; v < mesh.normals.length; v += 3) {
+    assert.ok(Math.abs(Math.hypot(...mesh.normals.subarray(v, v + 3)) - 1) < 1e-5);
+  }
+  assert.match(mesh.stateHash, /^[0-9a-f]{16}$/);
+});
+
+test('decode: stop rules choose a layer', async () => {
+  const bytes = bytesOf('tensions');
+  assert.equal((await decode(bytes, { maxLevel: 1 })).level, 1);
+  assert.equal((await decode(bytes, { maxTriangles: 100 })).layer.triangles, 96);
+  assert.equal((await decode(bytes, { maxBytes: 10 })).level, 0);
+});
+
+test('decode: a cut-off stream rejects, or gives what there is', async () => {
+  const bytes = bytesOf('tensions').subarray(0, -1);
+  await assert.rejects(decode(bytes), { name: 'NmcError', code: 'NMC_ERR_TRUNCATED', byteOffset: bytes.length });
+  const mesh = await decode(bytes, { allowPartial: true });
+  assert.equal(mesh.error.code, 'NMC_ERR_TRUNCATED');
+  assert.equal(mesh.level, 2);
+});
+
+test('decode: limits and wrong bytes', async () => {
+  await assert.rejects(decode(bytesOf('tensions'), { limits: { maxMemory: 300000 } }), { code: 'NMC_ERR_LIMIT' });
+  await assert.rejects(decode(bytesOf('tensions'), { limits: { maxMemory: 10 } }), { code: 'NMC_ERR_LIMIT' });
+  await assert.rejects(decode(new TextEncoder().encode('ply\nformat ascii 1.0')), { code: 'NMC_ERR_NOT_NMC' });
+  await assert.rejects(decode(new ArrayBuffer(0)), { code: 'NMC_ERR_TRUNCATED' });
+});
+
+test('stream: layers come from coarse to fine, and the last equals the whole', async () => {
+  const bytes = bytesOf('layers-3');
+  async function* pieces() {
+    for (let i = 0; i < bytes.length; i += 50) yield bytes.subarray(i, i + 50);
+  }
+  const stream = await NmcStream.open(pieces());
+  assert.equal(stream.layer.index, 0);
+  const seen = [];
+  let events = 0;
+  stream.addEventListener('layer', () => { ++events; });
+  let last;
+  for await (const layer of stream) {
+    seen.push(layer.index);
+    last = layer.mesh();
+  }
+  assert.deepEqual(seen, stream.layers.map((row) => row.index));
+  assert.equal(events, seen.length);
+  assert.deepEqual(last.positions, (await decode(bytes)).positions);
+  stream.dispose();
+  assert.throws(() => stream.mesh(), { code: 'NMC_ERR_STATE' });
+});
+
+test('stream: a stop rule ends the source, an abort rejects, a failing HTTP answer is told', async () => {
+  const bytes = bytesOf('tensions');
+  let cancelled = false;
+  const source = new ReadableStream({
+    pull(controller) { controller.enqueue(bytes.slice(0, 400)); },
+    cancel() { cancelled = true; },
+  });
+  const stream = await NmcStream.open(source, { maxLevel: 0 });
+  assert.equal((await stream.run()).level, 0);
+  assert.ok(cancelled);
+
+  const controller = new AbortController();
+  const slow = await NmcStream.open([bytes.subarray(0, 200), bytes.subarray(200)], { signal: controller.signal });
+  controller.abort();
+  await assert.rejects(slow.run(), { name: 'AbortError' });
+
+  const fetch = async () => new Response('', { status: 404 });
+  await assert.rejects(NmcStream.open('http://localhost/x.nmc', { fetch }), { code: 'HTTP_404' });
+});
+
+test('package: no eval, no blobs, no files beside it', () => {
+  const text = readFileSync(join(here, '../nmc-decoder.mjs'), 'utf8');
+  assert.doesNotMatch(text, /\beval\(|new Function|createObjectURL|import\.meta/);
+  assert.ok(existsSync(join(here, '../nmc-decoder.d.ts')));
+  assert.ok(readdirSync(join(here, '..')).includes('package.json'));
+});
