@@ -157,7 +157,9 @@ int run(const Arguments& arguments) {
     throw Error(ExitCode::kUnsupported,
                 arguments.input + ": '" + input.dropped_properties.front() + "' would be lost (--strict)");
   }
-  const double diagonal = nmc::bounding_box(input).diagonal();
+  // Without a box there is nothing to encode, and conditioning says why.
+  const double box_diagonal = nmc::measurable_box(input).diagonal();
+  const double diagonal = box_diagonal > 0 ? box_diagonal : 1;
   options.target = target_of(arguments, options.units, diagonal, input.vertex_count());
 
   const nmc::EncodeResult result = nmc::encode_mesh(input, options);

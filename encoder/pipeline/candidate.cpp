@@ -125,7 +125,8 @@ Trial Candidate::quantize(double normal_step, const StreamDescription& descripti
   quantize.step_ratio = std::exp2(options.eighths_per_level / 8.0);
   quantize.tangential_ratio = std::exp2(options.eighths_tangential / 8.0);
   quantize.base_step_factor = std::exp2((options.eighths_per_level - options.eighths_base_to_level_0) / 8.0);
-  quantize.base_origin = stream_origin(trial.steps, description.box.minimum).position(trial.steps);
+  quantize.base_origin = stream_origin(trial.steps, description.box.minimum).position(trial.steps) -
+                         state_->reference->center;
   quantize.lambda_factor = options.lambda_factor;
   trial.normal_step = quantize.normal_step;
   if (layer_count > 1) {
@@ -161,7 +162,9 @@ std::size_t Candidate::repair(double tolerance, const StreamDescription& descrip
 }
 
 StreamBytes Candidate::finish(const Trial& trial, const StreamDescription& description) {
-  const auto measure_level = [&](const std::vector<Vec3>& positions, int level) {
+  const auto measure_level = [&](const std::vector<Vec3>& decoded, int level) {
+    std::vector<Vec3> positions = decoded;
+    for (Vec3& p : positions) p -= state_->reference->center;
     return measure(positions, level, 0);
   };
   return code(trial, description, measure_level);

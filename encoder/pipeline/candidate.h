@@ -19,7 +19,8 @@ namespace nmc {
 
 /// The surface that is coded, and how distances to it are measured.
 struct ReferenceSurface {
-  TriangleMesh mesh;                       // the input as measured against
+  Vec3 center;                             // of the input's box; what the encoder works on is moved by -center
+  TriangleMesh mesh;                       // the input as measured against, moved
   std::unique_ptr<SurfaceIndex> index;     // of it
   double diagonal = 0;
 };

@@ -135,9 +135,14 @@ class MeshEncoder {
     result_.condition = conditioned.report;
     surface_ = std::move(conditioned.mesh);
 
+    // All rooms work around the centre of the box, where doubles are densest: georeferenced scans lie millions of units
+    // from their origin. Only the stream's grid knows where the centre was.
     reference_.mesh = measurable_part(input_);
-    reference_.index = std::make_unique<SurfaceIndex>(reference_.mesh);
     description_.box = bounding_box(reference_.mesh);
+    reference_.center = description_.box.center();
+    for (Vec3& p : reference_.mesh.positions) p -= reference_.center;
+    for (Vec3& p : surface_.positions) p -= reference_.center;
+    reference_.index = std::make_unique<SurfaceIndex>(reference_.mesh);
     reference_.diagonal = result_.diagonal = description_.box.diagonal();
     description_.input_vertex_count = input_.vertex_count();
     description_.input_triangle_count = input_.triangle_count();
@@ -321,6 +326,8 @@ class MeshEncoder {
 };
 
 }  // namespace
+
+BoundingBox measurable_box(const TriangleMesh& input) { return bounding_box(measurable_part(input)); }
 
 EncodeResult encode_mesh(const TriangleMesh& input, const EncodeOptions& options) {
   return MeshEncoder(input, options).run();

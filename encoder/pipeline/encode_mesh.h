@@ -42,6 +42,9 @@ struct EncodeResult {
   std::vector<Attempt> attempts;
 };
 
+/// The box that errors are relative to: of the triangles whose corners are all finite. All zero without any.
+BoundingBox measurable_box(const TriangleMesh& input);
+
 /// Encodes `input`. Throws nmc::Error where the input cannot be used; a target that cannot be reached is not an
 /// exception: the nearest stream comes back with target_met false. Deterministic for any number of threads.
 EncodeResult encode_mesh(const TriangleMesh& input, const EncodeOptions& options);

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The whole chain as a user runs it: mesh file, nmc-encode, nmc-decode, nmc-compare; and inputs nobody should have."""
+import json
+import math
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+ENCODE, DECODE, COMPARE = (os.environ[name] for name in ("NMC_ENCODE", "NMC_DECODE", "NMC_COMPARE"))
+CORPUS = pathlib.Path(os.environ.get("NMC_CORPUS", pathlib.Path(__file__).resolve().parents[3] / "shared" / "corpus"))
+
+
+def run(*arguments, **options):
+    return subprocess.run([str(a) for a in arguments], capture_output=True, timeout=300, **options)
+
+
+def write_obj(path, vertices, faces):
+    with open(path, "w", encoding="ascii") as file:
+        for vertex in vertices:
+            file.write("v %.9g %.9g %.9g\n" % tuple(vertex))
+        for face in faces:
+            file.write("f " + " ".join(str(i + 1) for i in face) + "\n")
+
+
+def bumpy_torus(rings=48, sides=32, bumps=0.04):
+    """Genus 1, closed, smooth, with detail."""
+    vertices, faces = [], []
+    for i in range(rings):
+        for j in range(sides):
+            u, v = 2 * math.pi * i / rings, 2 * math.pi * j / sides
+            r = 0.4 + bumps * math.sin(5 * u) * math.cos(3 * v)
+            vertices.append(((1 + r * math.cos(v)) * math.cos(u), (1 + r * math.cos(v)) * math.sin(u), r * math.sin(v)))
+            a, b = i * sides + j, (i + 1) % rings * sides + j
+            c, d = (i + 1) % rings * sides + (j + 1) % sides, i * sides + (j + 1) % sides
+            faces += [(a, b, c), (a, c, d)]
+    return vertices, faces
+
+
+def wavy_sheet(size=30):
+    """A disk: one boundary loop."""
+    vertices = [(x / size, y / size, 0.1 * math.sin(6 * x / size) * math.cos(5 * y / size))
+                for y in range(size + 1) for x in range(size + 1)]
+    faces = []
+    for y in range(size):
+        for x in range(size):
+            a = y * (size + 1) + x
+            faces += [(a, a + 1, a + size + 2), (a, a + size + 2, a + size + 1)]
+    return vertices, faces
+
+
+class Encoding(unittest.TestCase):
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self.folder = pathlib.Path(self._folder.name)
+
+    def tearDown(self):
+        leftovers = list(self.folder.glob("*.part"))
+        self._folder.cleanup()
+        self.assertEqual(leftovers, [], "half-written files were left")
+
+    def encode(self, mesh, *options, expect=0):
+        stream, report = self.folder / "out.nmc", self.folder / "report.json"
+        done = run(ENCODE, mesh, "-o", stream, "-f", "--report", report, *options)
+        self.assertEqual(done.returncode, expect, done.stderr.decode())
+        return stream, json.loads(report.read_text())
+
+    def decode_and_compare(self, mesh, stream):
+        decoded = self.folder / "decoded.ply"
+        done = run(DECODE, stream, "-o", decoded, "-f")
+        self.assertEqual(done.returncode, 0, done.stderr.decode())
+        compared = run(COMPARE, mesh, decoded, "--json")
+        self.assertEqual(compared.returncode, 0, compared.stderr.decode())
+        return json.loads(compared.stdout)
+
+    def obj(self, shape, name="mesh.obj"):
+        path = self.folder / name
+        write_obj(path, *shape)
+        return path
+
+    def test_rms_target_holds_on_the_decoded_mesh(self):
+        for name, shape in (("torus", bumpy_torus()), ("sheet", wavy_sheet())):
+            with self.subTest(name):
+                mesh = self.obj(shape)
+                stream, report = self.encode(mesh, "--rms-error", "0.05%", "-e", "2")
+                self.assertTrue(report["target"]["met"])
+                self.assertEqual(report["flippedTriangles"], 0)
+                measured = self.decode_and_compare(mesh, stream)
+                self.assertLessEqual(measured["relativeRms"], 0.0005)
+                self.assertAlmostEqual(measured["rms"], report["rmsError"], delta=0.01 * report["rmsError"])
+
+    def test_max_target_holds_on_the_decoded_mesh(self):
+        mesh = self.obj(bumpy_torus())
+        stream, _ = self.encode(mesh, "--max-error", "0.3%", "-e", "2")
+        self.assertLessEqual(self.decode_and_compare(mesh, stream)["relativeMax"], 0.003)
+
+    def test_size_target_bounds_the_file(self):
+        stream, report = self.encode(self.obj(bumpy_torus()), "--size", "1500B", "-e", "2")
+        self.assertLessEqual(stream.stat().st_size, 1500)
+        self.assertEqual(stream.stat().st_size, report["bytes"])
+
+    def test_real_scan_meets_its_target(self):
+        mesh = CORPUS / "bimba.off"
+        if not mesh.is_file():
+            self.assertFalse(os.environ.get("CI"), f"{mesh} is missing")
+            self.skipTest(f"{mesh} is missing")
+        stream, report = self.encode(mesh, "--rms-error", "0.05%", "-e", "2")
+        self.assertTrue(report["target"]["met"])
+        self.assertLessEqual(self.decode_and_compare(mesh, stream)["relativeRms"], 0.0005)
+        hashes = run(DECODE, stream, "--hash", "--no-output")
+        self.assertEqual(hashes.returncode, 0, hashes.stderr.decode())
+        self.assertIn(report["positionHash"], hashes.stdout.decode())
+        self.assertIn(report["stateHash"], hashes.stdout.decode())
+
+    def test_layers_give_better_prefixes_of_one_file(self):
+        mesh = self.obj(bumpy_torus())
+        stream, report = self.encode(mesh, "--rms-error", "0.02%", "-e", "1", "--layers", "3")
+        errors = [layer["rmsError"] for layer in report["layers"]]
+        self.assertEqual(errors[-1], min(errors))
+        self.assertLess(errors[-1], 0.9 * errors[0])
+        data = stream.read_bytes()
+        for layer in report["layers"][:-1]:
+            cut = self.folder / "cut.nmc"
+            cut.write_bytes(data[:layer["endByte"]])
+            decoded = self.folder / "cut.ply"
+            self.assertEqual(run(DECODE, cut, "-o", decoded, "-f").returncode, 8)
+            self.assertEqual(run(DECODE, cut, "-o", decoded, "-f", "--allow-partial").returncode, 0)
+            compared = json.loads(run(COMPARE, mesh, decoded, "--json").stdout)
+            self.assertAlmostEqual(compared["rms"], layer["rmsError"], delta=0.01 * layer["rmsError"])
+
+    def test_same_bytes_with_one_and_two_threads(self):
+        mesh = self.obj(bumpy_torus())
+        one = self.encode(mesh, "--rms-error", "0.05%", "-e", "3", "-j", "1")[0].read_bytes()
+        two = self.encode(mesh, "--rms-error", "0.05%", "-e", "3", "-j", "2")[0].read_bytes()
+        self.assertEqual(one, two)
+
+    def test_pipes_carry_mesh_and_stream(self):
+        mesh = self.obj(wavy_sheet(12))
+        encoded = run(ENCODE, "-", "--format", "obj", "-o", "-", "-e", "1", "--rms-error", "0.1%", "--quiet",
+                      input=mesh.read_bytes())
+        self.assertEqual(encoded.returncode, 0, encoded.stderr.decode())
+        decoded = run(DECODE, "-", "-o", "-", "--format", "obj", input=encoded.stdout)
+        self.assertEqual(decoded.returncode, 0, decoded.stderr.decode())
+        self.assertIn(b"\nf ", decoded.stdout)
+
+    def test_tiny_and_flat_surfaces_are_encoded(self):
+        shapes = {
+            "triangle": ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]),
+            "tetrahedron": ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)],
+                            [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)]),
+            "plane": ([(x, y, 0) for y in range(20) for x in range(20)],
+                      [f for y in range(19) for x in range(19) for a in [y * 20 + x]
+                       for f in ((a, a + 1, a + 21), (a, a + 21, a + 20))]),
+            "far away": ([(1e7 + 0.001 * x, 2e6 + 0.001 * y, 0.0005 * math.sin(x)) for y in range(20) for x in range(20)],
+                         [f for y in range(19) for x in range(19) for a in [y * 20 + x]
+                          for f in ((a, a + 1, a + 21), (a, a + 21, a + 20))]),
+        }
+        for name, shape in shapes.items():
+            with self.subTest(name):
+                path = self.folder / "tiny.obj"
+                with open(path, "w", encoding="ascii") as file:
+                    for vertex in shape[0]:
+                        file.write("v %.17g %.17g %.17g\n" % tuple(vertex))
+                    for face in shape[1]:
+                        file.write("f %d %d %d\n" % tuple(i + 1 for i in face))
+                stream, _ = self.encode(path, "--rms-error", "0.2%", "-e", "1")
+                self.assertLessEqual(self.decode_and_compare(path, stream)["relativeRms"], 0.002)
+
+    def test_useless_input_is_refused_with_a_reason(self):
+        cases = {
+            "empty.obj": "",
+            "no_faces.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\n",
+            "line.obj": "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n",
+            "not_numbers.obj": "v nan 0 0\nv 1 0 inf\nv 0 1 0\nf 1 2 3\n",
+            "bad_index.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",
+            "empty.ply": "",
+            "cut.ply": "ply\nformat binary_little_endian 1.0\nelement vertex 3\n",
+        }
+        for name, text in cases.items():
+            with self.subTest(name):
+                mesh = self.folder / name
+                mesh.write_text(text)
+                done = run(ENCODE, mesh, "-o", self.folder / "no.nmc", "--quiet")
+                self.assertEqual(done.returncode, 3, done.stderr.decode())
+                self.assertGreater(len(done.stderr), 20)
+                self.assertFalse((self.folder / "no.nmc").exists())
+
+    def test_mistakes_on_the_command_line_have_their_codes(self):
+        mesh = self.obj(wavy_sheet(8))
+        existing = self.folder / "exists.nmc"
+        existing.write_bytes(b"precious")
+        cases = [
+            (1, [mesh, "--no-such-option"]),
+            (1, [mesh, "--max-error", "1%", "--size", "1kB"]),
+            (1, [mesh, "--max-error", "soon"]),
+            (1, [mesh, "--max-error", "1mm"]),  # units of the input are not known
+            (2, [self.folder / "missing.obj"]),
+            (2, [mesh, "-o", existing]),
+        ]
+        for code, arguments in cases:
+            with self.subTest(arguments=arguments):
+                self.assertEqual(run(ENCODE, *arguments).returncode, code)
+        self.assertEqual(existing.read_bytes(), b"precious")
+
+
+if __name__ == "__main__":
+    unittest.main()
