@@ -230,7 +230,20 @@ TEST_CASE("gltf: instances stop at the limits", "[gltf]") {
   ReadOptions options;
   options.maximum_triangles = 2;
   const std::string three = with_corner(R"(,"nodes":[{"mesh":0},{"mesh":0},{"mesh":0}])");
-  const std::optional<test::Failure> failure = test::failure_of(kGltf, three, options);
+  std::optional<test::Failure> failure = test::failure_of(kGltf, three, options);
+  REQUIRE(failure);
+  CHECK(failure->code == ExitCode::kLimit);
+
+  // A strip whose triangles are all joints gives no triangle and still counts.
+  const std::string joints = glb(
+      kStart + R"("buffers":[{"byteLength":36}],"bufferViews":[{"buffer":0,"byteLength":36}],)" +
+          R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},)" +
+          R"({"bufferView":0,"componentType":5121,"count":8,"type":"SCALAR"}],"nodes":[{"mesh":0},{"mesh":0}],)" +
+          R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1,"mode":5}]}]})",
+      corner_positions());
+  CHECK(read_bytes(kGltf, joints).triangle_count() == 0);
+  options.maximum_triangles = 10;
+  failure = test::failure_of(kGltf, joints, options);
   REQUIRE(failure);
   CHECK(failure->code == ExitCode::kLimit);
 }

@@ -36,6 +36,11 @@ TEST_CASE("off: reads polygons, comments and faces without area, and reports fac
   CHECK(mentions(mesh.dropped_properties, "1 faces of fewer"));
 }
 
+TEST_CASE("off: ends at vertical tabs and form feeds within lines", "[off][malformed]") {
+  const TriangleMesh mesh = read_bytes(kOff, "OFF\n3 1 0\v\n0\f0 0\v9\n1 0 0 9\n0 1 0 9\n3 0\v1 2 \v \f\n");
+  CHECK(mesh.triangles == std::vector<Triangle>{{0, 1, 2}});
+}
+
 TEST_CASE("off: reads colours of integers and reals, with and without opacity", "[off][colour]") {
   const std::string face = "3 0 1 2\n";
   const std::vector<Color> expected = {{255, 0, 51}, {0, 255, 0}, {0, 0, 255}};
