@@ -75,6 +75,19 @@ struct Sums {
     maximum = value;
     maximum_at = at;
   }
+  void add_distance(double value, const Vec3& at) {
+    distance_squared += value * value;
+    distance += value;
+    note_maximum(value, at);
+  }
+  // Triangles without area have no normal and do not count.
+  void add_angle(const Vec3& from_normal, const Vec3& to_normal) {
+    if (from_normal == Vec3{} || to_normal == Vec3{}) return;
+    const double degrees = degrees_between(from_normal, to_normal);
+    angle += degrees;
+    angle_squared += degrees * degrees;
+    ++angle_count;
+  }
   void add_color(const Rgb& a, const Rgb& b) {
     const double luma = a.luma() - b.luma();
     luma_squared += luma * luma;
@@ -108,77 +121,78 @@ std::vector<std::uint32_t> used_vertices(const TriangleMesh& mesh) {
   return vertices;
 }
 
+bool both_have_colors(const TriangleMesh& a, const TriangleMesh& b, const CompareOptions& options) {
+  return options.colors && !a.colors.empty() && !b.colors.empty();
+}
+
+Sums measure_samples(const AreaSamples& samples, const TriangleMesh& source, const TriangleMesh& target,
+                     const SurfaceIndex& target_index, const CompareOptions& options) {
+  const bool colors = both_have_colors(source, target, options);
+  return parallel_block_sum<Sums>(samples.size(), kPointsPerBlock, [&](std::size_t begin, std::size_t end) {
+    Sums block;
+    ClosestPointWalk walk(target_index);
+    for (std::size_t i = begin; i < end; ++i) {
+      const AreaSample sample = samples[i];
+      const SurfacePoint nearest = walk.step(sample.position);
+      block.add_distance(nearest.t, sample.position);
+      if (options.normals) {
+        block.add_angle(scaled_normal(source.positions, source.triangles[sample.triangle]),
+                        scaled_normal(target.positions, target.triangles[nearest.triangle]));
+      }
+      if (colors) {
+        block.add_color(interpolated_color(source, sample.triangle, sample.barycentric),
+                        interpolated_color(target, nearest.triangle, nearest.barycentric));
+      }
+    }
+    return block;
+  });
+}
+
+Sums measure_vertices(const std::vector<std::uint32_t>& vertices, const TriangleMesh& source,
+                      const SurfaceIndex& target_index) {
+  return parallel_block_sum<Sums>(vertices.size(), kPointsPerBlock, [&](std::size_t begin, std::size_t end) {
+    Sums block;
+    ClosestPointWalk walk(target_index);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3& point = source.positions[vertices[i]];
+      block.add_distance(walk.step(point).t, point);
+    }
+    return block;
+  });
+}
+
 OneSidedDistance one_sided(const TriangleMesh& source, const TriangleMesh& target,
                            const SurfaceIndex& target_index, const CompareOptions& options) {
-  const bool colors = options.colors && !source.colors.empty() && !target.colors.empty();
   const std::size_t asked = options.sample_count != 0
                                 ? options.sample_count
                                 : std::max<std::size_t>(200'000, 2 * source.triangle_count());
   const AreaSamples samples(source.positions, source.triangles, asked);
-  Sums sums =
-      parallel_block_sum<Sums>(samples.size(), kPointsPerBlock, [&](std::size_t begin, std::size_t end) {
-        Sums block;
-        ClosestPointWalk walk(target_index);
-        for (std::size_t i = begin; i < end; ++i) {
-          const AreaSample sample = samples[i];
-          const SurfacePoint nearest = walk.step(sample.position);
-          block.distance_squared += nearest.t * nearest.t;
-          block.distance += nearest.t;
-          block.note_maximum(nearest.t, sample.position);
-          if (options.normals) {
-            const Vec3 from = scaled_normal(source.positions, source.triangles[sample.triangle]);
-            const Vec3 to = scaled_normal(target.positions, target.triangles[nearest.triangle]);
-            if (from != Vec3{} && to != Vec3{}) {
-              const double angle = degrees_between(from, to);
-              block.angle += angle;
-              block.angle_squared += angle * angle;
-              ++block.angle_count;
-            }
-          }
-          if (colors) {
-            block.add_color(interpolated_color(source, sample.triangle, sample.barycentric),
-                            interpolated_color(target, nearest.triangle, nearest.barycentric));
-          }
-        }
-        return block;
-      });
-
+  const bool has_area = samples.size() != 0;
+  const Sums of_samples = measure_samples(samples, source, target, target_index, options);
   OneSidedDistance side;
   side.sample_count = samples.size();
-  Sums vertex_sums;
-  if (options.vertices || samples.size() == 0) {
+  Sums of_vertices;
+  if (options.vertices || !has_area) {
     const std::vector<std::uint32_t> vertices = used_vertices(source);
     side.vertex_count = vertices.size();
-    vertex_sums =
-        parallel_block_sum<Sums>(vertices.size(), kPointsPerBlock, [&](std::size_t begin, std::size_t end) {
-          Sums block;
-          ClosestPointWalk walk(target_index);
-          for (std::size_t i = begin; i < end; ++i) {
-            const Vec3& point = source.positions[vertices[i]];
-            const double gap = walk.step(point).t;
-            block.distance_squared += gap * gap;
-            block.distance += gap;
-            block.note_maximum(gap, point);
-          }
-          return block;
-        });
-    sums.note_maximum(vertex_sums.maximum, vertex_sums.maximum_at);
+    of_vertices = measure_vertices(vertices, source, target_index);
   }
 
-  const bool has_area = samples.size() != 0;
-  const Sums& means = has_area ? sums : vertex_sums;
-  const double count = static_cast<double>(has_area ? samples.size() : side.vertex_count);
+  const Sums& means = has_area ? of_samples : of_vertices;
+  const double count = static_cast<double>(has_area ? side.sample_count : side.vertex_count);
   side.rms = std::sqrt(means.distance_squared / count);
   side.mean = means.distance / count;
-  side.maximum = sums.maximum;
-  side.maximum_at = sums.maximum_at;
-  if (sums.angle_count != 0) {
-    side.normal_mean_degrees = sums.angle / static_cast<double>(sums.angle_count);
-    side.normal_rms_degrees = std::sqrt(sums.angle_squared / static_cast<double>(sums.angle_count));
+  const Sums& farthest = of_vertices.maximum > of_samples.maximum ? of_vertices : of_samples;
+  side.maximum = farthest.maximum;
+  side.maximum_at = farthest.maximum_at;
+  if (of_samples.angle_count != 0) {
+    const double angle_count = static_cast<double>(of_samples.angle_count);
+    side.normal_mean_degrees = of_samples.angle / angle_count;
+    side.normal_rms_degrees = std::sqrt(of_samples.angle_squared / angle_count);
   }
-  if (colors && has_area) {
-    side.luma_mean_squared = sums.luma_squared / count;
-    side.rgb_mean_squared = sums.rgb_squared / count;
+  if (has_area && both_have_colors(source, target, options)) {
+    side.luma_mean_squared = of_samples.luma_squared / count;
+    side.rgb_mean_squared = of_samples.rgb_squared / count;
   }
   return side;
 }
@@ -274,7 +288,7 @@ CompareResult compare_meshes(const TriangleMesh& original, const TriangleMesh& r
   comparison.normal_rms_degrees = std::max(forward.normal_rms_degrees, backward.normal_rms_degrees);
   comparison.original_volume = enclosed_volume(original);
   comparison.result_volume = enclosed_volume(result);
-  const bool colors = options.colors && !original.colors.empty() && !result.colors.empty();
+  const bool colors = both_have_colors(original, result, options);
   comparison.luma_psnr_db =
       color_psnr(colors, std::max(forward.luma_mean_squared, backward.luma_mean_squared));
   comparison.rgb_psnr_db = color_psnr(colors, std::max(forward.rgb_mean_squared, backward.rgb_mean_squared));
