@@ -192,11 +192,11 @@ class MeshEncoder {
   int level_count_for(std::size_t base_index) const {
     if (options_.level_count) return *options_.level_count;
     if (base_sizes_[base_index] >= static_cast<int>(surface_.vertex_count())) return 1;
-    // As many vertices as the error asks of a smooth surface, but no more than the input can fill.
+    // A smooth surface wants 3 to 10 vertices per unit of 1 / error, the more of them the more detail the input
+    // has; beyond a few times the input's own vertices there is nothing left to follow.
     const double vertices = static_cast<double>(surface_.vertex_count());
     const double error = relative_target();
-    const double wanted =
-        finer_ * std::min(vertices * std::min(1.5, 7e-5 / error), 10 / error);
+    const double wanted = finer_ * std::min(4 * vertices, std::clamp(7e-5 * vertices / error, 3 / error, 10 / error));
     const double ratio = std::max(1.0, wanted / base_sizes_[base_index]);
     return std::clamp(static_cast<int>(std::ceil(std::log(ratio) / std::log(4.0) - 0.2)), 1, 8);
   }
@@ -256,11 +256,13 @@ class MeshEncoder {
         tension_ = 1;
     }
     // A target out of reach: more base vertices see more features, another level resolves them.
+    int missed = 0;
     while (!best_.met && !(options_.base_vertex_count && options_.level_count)) {
       if (index + 1 == base_sizes_.size() && finer_ > 16) break;
       step_guess_ = 0;
-      index = std::min(index + (plan_.extra_candidates > 1 ? 2 : 3), base_sizes_.size() - 1);
-      finer_ *= options_.level_count ? 4 : 1.6;
+      index = std::min(index + (missed < 2 ? 1 : 3), base_sizes_.size() - 1);
+      finer_ *= missed < 2 ? 2.5 : 1.5;
+      ++missed;
       if (index + 1 == base_sizes_.size() && base_sizes_.back() == static_cast<int>(surface_.vertex_count())) {
         tension_ = 0;  // the base is the surface itself: nothing is left to predict
         finer_ = 32;   // and nothing is left to try
