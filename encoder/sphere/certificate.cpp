@@ -16,10 +16,8 @@ SphereCertificate certify_sphere(const std::vector<Vec3>& positions, const std::
     return orientation_sign(positions[t[0]], positions[t[1]], positions[t[2]]) > 0 ? 0 : 1;
   });
   const double solid_angle = parallel_sum<double>(triangles.size(), [&](std::size_t f) {
-    const Vec3 &a = positions[triangles[f][0]], &b = positions[triangles[f][1]],
-               &c = positions[triangles[f][2]];
-    // Van Oosterom and Strackee, 1983.
-    return 2 * std::atan2(orientation_volume(a, b, c), 1 + dot(a, b) + dot(b, c) + dot(c, a));
+    const Triangle& t = triangles[f];
+    return signed_solid_angle(positions[t[0]], positions[t[1]], positions[t[2]]);
   });
   certificate.solid_angle_over_4pi = solid_angle / (4 * std::numbers::pi);
   return certificate;

@@ -6,6 +6,8 @@
 #ifndef NMC_ENCODER_SPHERE_EXACT_ORIENTATION_H_
 #define NMC_ENCODER_SPHERE_EXACT_ORIENTATION_H_
 
+#include <cmath>
+
 #include "libnmc/common/vec3.h"
 
 namespace nmc {
@@ -20,6 +22,12 @@ int orientation_sign(const Vec3& a, const Vec3& b, const Vec3& c);
 /// triangles of unit vectors.
 inline double orientation_volume(const Vec3& a, const Vec3& b, const Vec3& c) {
   return dot(a, cross(b - a, c - a));
+}
+
+/// Of the spherical triangle, in (-2 pi, 2 pi), positive when counter-clockwise.
+/// Based on: A. Van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle", IEEE TBME 30, 1983.
+inline double signed_solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return 2 * std::atan2(orientation_volume(a, b, c), 1 + dot(a, b) + dot(b, c) + dot(c, a));
 }
 
 }  // namespace nmc

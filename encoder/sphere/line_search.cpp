@@ -28,7 +28,8 @@ LineSearchResult wolfe_line_search(const SphereProblem& problem, const std::vect
                  [&](std::size_t v) { result.positions[v] = retract(positions[v], length * direction[v]); });
     ++evaluations;
     result.energy = problem.gradient(result.positions, result.gradient);
-    if (forbid_flips && problem.flipped_count(result.positions) > 0)
+    if (forbid_flips &&
+        (problem.flipped_count(result.positions) > 0 || problem.covering_degree(result.positions) != 1))
       result.energy = std::numeric_limits<double>::infinity();
   };
   // Bisection between the best length that is too short and the best that is too long: robust against the

@@ -40,7 +40,9 @@ class DampedStep {
             shortened.push_back(v);
           }
       }
-      if (shortened.empty()) return true;
+      // No triangle flipped, but a part of the mesh may have wrapped around: only a shorter step for all
+      // helps.
+      if (shortened.empty()) return problem_.covering_degree(result_) == 1;
       damped += static_cast<long>(shortened.size());
       for (const std::uint32_t v : shortened) {
         lengths_[v] = round >= kRounds - 4 ? 0 : lengths_[v] / 2;
@@ -142,8 +144,12 @@ OptimizationResult minimize_newton(const SphereProblem& problem, std::vector<Vec
       }
       const std::vector<Tangent2> solution = cholesky.solve(gradient);
       const double slope = -dot(gradient, solution);
+      // Beyond this the quadratic model says nothing, and triangles could pass through each other.
+      constexpr double kLongestStep = 0.3;
       parallel_for(count, [&](std::size_t v) {
         direction[v] = -(solution[v][0] * frames[v].u + solution[v][1] * frames[v].v);
+        const double step_length = norm(direction[v]);
+        if (step_length > kLongestStep) direction[v] *= kLongestStep / step_length;
       });
 
       DampedStep step(problem, positions, direction);

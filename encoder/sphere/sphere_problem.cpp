@@ -248,6 +248,14 @@ std::size_t SphereProblem::flipped_count(const std::vector<Vec3>& positions) con
   });
 }
 
+int SphereProblem::covering_degree(const std::vector<Vec3>& positions) const {
+  const double solid_angle = parallel_sum<double>(triangles_.size(), [&](std::size_t f) {
+    const Triangle& t = triangles_[f];
+    return signed_solid_angle(positions[t[0]], positions[t[1]], positions[t[2]]);
+  });
+  return static_cast<int>(std::lround(solid_angle / (4 * std::numbers::pi)));
+}
+
 double norm(const std::vector<Vec3>& vectors) { return std::sqrt(dot(vectors, vectors)); }
 
 double dot(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {

@@ -79,6 +79,10 @@ class SphereProblem {
   /// Triangles that are not safely counter-clockwise in double precision.
   std::size_t flipped_count(const std::vector<Vec3>& positions) const;
 
+  /// How often the triangles cover the sphere: their solid angles over 4 pi, rounded. A long step can keep
+  /// every triangle counter-clockwise and still wrap a part of the mesh around; then this is not 1.
+  int covering_degree(const std::vector<Vec3>& positions) const;
+
  private:
   struct LocalHessian;
 

@@ -164,7 +164,8 @@ OptimizationResult minimize_trust_region(const SphereProblem& problem, std::vect
     });
     double energy = problem.energy(candidate);
     ++evaluations;
-    if (options.forbid_flips && problem.flipped_count(candidate) > 0)
+    if (options.forbid_flips &&
+        (problem.flipped_count(candidate) > 0 || problem.covering_degree(candidate) != 1))
       energy = std::numeric_limits<double>::infinity();
     // In the last digits of the energy its difference is noise, and the model is exact: trust it.
     const bool is_noise = predicted < 1e-12 * std::abs(result.energy) &&
