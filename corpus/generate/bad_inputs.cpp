@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 
 #include "corpus/generate/random.h"
@@ -83,6 +84,18 @@ TriangleMesh random_indices() {
   return mesh;
 }
 
+/// Triangles that all share one edge.
+TriangleMesh book(int page_count) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {0, 0, 1}};
+  for (int i = 0; i < page_count; ++i) {
+    const double angle = 6.283185307179586 * i / page_count;
+    mesh.triangles.push_back({0, 1, static_cast<std::uint32_t>(mesh.vertex_count())});
+    mesh.positions.push_back({std::cos(angle), std::sin(angle), 0.5});
+  }
+  return mesh;
+}
+
 std::string ply(const std::string& counts_and_body) { return "ply\nformat ascii 1.0\n" + counts_and_body; }
 
 }  // namespace
@@ -154,6 +167,7 @@ std::vector<BadInput> bad_inputs() {
   mesh("genus_100", Expected::kEncoded, perforated_plate(10, 10));
   mesh("triangle_soup", Expected::kEncoded, triangle_soup(icosphere(4)));
   mesh("random_orientation", Expected::kEncoded, randomly_turned(torus(40, 20), 8));
+  mesh("book_of_20000_pages", Expected::kEncoded, book(20000));
   mesh("random_indices", Expected::kEncoded, random_indices());
   {
     TriangleMesh twice = icosphere(3);

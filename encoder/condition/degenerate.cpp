@@ -130,10 +130,12 @@ std::size_t drop_duplicates(WorkingMesh& mesh, const EdgeGroups& edges) {
       const std::uint32_t t = set[i];
       if (t == kept) continue;
       // Two triangles on the very same stored vertices can never both be part of a manifold.
-      const bool same_stored =
-          std::any_of(set.begin(), set.begin() + static_cast<std::ptrdiff_t>(i),
-                      [&](std::uint32_t e) { return sorted(mesh.stored[e]) == sorted(mesh.stored[t]); });
-      if (is_protected[t] && !same_stored) continue;
+      const auto is_stored_like = [&](std::uint32_t earlier) {
+        return sorted(mesh.stored[earlier]) == sorted(mesh.stored[t]);
+      };
+      if (is_protected[t] &&
+          std::none_of(set.begin(), set.begin() + static_cast<std::ptrdiff_t>(i), is_stored_like))
+        continue;
       verdict[t] = same_orientation(mesh.triangles[kept], mesh.triangles[t])
                        ? TriangleFate::kDuplicate
                        : TriangleFate::kOppositeDuplicate;

@@ -13,6 +13,10 @@ namespace nmc::conditioning {
 
 namespace {
 
+/// With more triangles around one edge than this, no pair of them is a likely continuation, and looking at
+/// all pairs would cost the square of their number: they stay open.
+constexpr std::size_t kLargestCrowd = 256;
+
 /// A triangle around a crowded edge that has no partner yet. The edge runs from its lower to its higher
 /// vertex.
 struct Leaf {
@@ -137,6 +141,7 @@ class Pairing {
       double bend_rad;
       std::size_t i, j;
     };
+    if (leaves.size() > kLargestCrowd) return false;
     std::vector<Candidate> candidates;
     for (std::size_t i = 0; i < leaves.size(); ++i)
       for (std::size_t j = i + 1; j < leaves.size(); ++j)

@@ -24,19 +24,17 @@ struct PairedEdges {
 
 /// Pairs all half-edges and turns triangles of `mesh` so that the two half-edges of every pair run in
 /// opposite directions. In this order:
-///   1. An edge with two triangles is a pair, and so are two triangles that alone share the stored vertices
-///   of
-///      a crowded edge (one with more than two triangles): whoever wrote the file joined them.
-///   2. Pairs across which the surface cannot be oriented are opened (open_contradictory_pairs), and all are
-///      oriented.
+///   1. An edge with two triangles is a pair, and so are two triangles that alone share the stored
+///      vertices of a crowded edge (one with more than two): whoever wrote the file joined them.
+///   2. Pairs across which the surface cannot be oriented are opened (open_contradictory_pairs), and all
+///      are oriented.
 ///   3. Where the remaining triangles of a crowded edge alternate in orientation, they bound wedges of
 ///      material, and the two sides of each wedge are paired: solids that touch along an edge come apart.
-///      Elsewhere the flattest pairs of agreeing orientation go first: crossing sheets pass through each
-///      other.
+///      Elsewhere the flattest pairs of agreeing orientation go first: crossing sheets pass through.
 ///   4. Pairs that do not agree, flattest first, where that only means to turn a whole piece around.
 ///   5. What is left over is open.
-/// A second run on the result changes nothing: it finds all pairs in step 1, and what was left in step 5 is
-/// left again. O(n + sum of k^2 over crowded edges with k triangles).
+/// A second run on the result changes nothing: it finds all pairs in step 1, and what was left in step 5
+/// is left again. Edges with hundreds of open triangles skip the searches for flat pairs. O(n log n).
 PairedEdges pair_edges(WorkingMesh& mesh, const EdgeGroups& edges);
 
 }  // namespace nmc::conditioning
