@@ -38,9 +38,12 @@ let compiled = null;
 /** The compiled module, compiled at the first call. */
 export function ready() {
   if (!supported) return Promise.reject(new NmcError('NMC_ERR_FEATURE', 'this environment has no WebAssembly'));
-  compiled ??= WebAssembly.compile(bytesOfBase64(MODULE_BASE64));
+  compiled ??= inflated(bytesOfBase64(MODULE_BASE64)).then((bytes) => WebAssembly.compile(bytes));
   return compiled;
 }
+
+const inflated = (bytes) =>
+  new Response(new Response(bytes).body.pipeThrough(new DecompressionStream('deflate'))).arrayBuffer();
 
 function bytesOfBase64(text) {
   const binary = atob(text);

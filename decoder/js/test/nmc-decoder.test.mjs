@@ -78,7 +78,13 @@ test('decode: a cut-off stream rejects, or gives what there is', async () => {
 });
 
 test('decode: limits and wrong bytes', async () => {
-  await assert.rejects(decode(bytesOf('tensions'), { limits: { maxMemory: 300000 } }), { code: 'NMC_ERR_LIMIT' });
+  const decoder = await NmcDecoder.create();
+  decoder.feed(bytesOf('valence-40'));
+  while (decoder.next() !== 'end');
+  decoder.readPositions();
+  const limits = { maxMemory: decoder.peakMemory - 1 };
+  decoder.dispose();
+  await assert.rejects(decode(bytesOf('valence-40'), { limits }), { code: 'NMC_ERR_LIMIT' });
   await assert.rejects(decode(bytesOf('tensions'), { limits: { maxMemory: 10 } }), { code: 'NMC_ERR_LIMIT' });
   await assert.rejects(decode(new TextEncoder().encode('ply\nformat ascii 1.0')), { code: 'NMC_ERR_NOT_NMC' });
   await assert.rejects(decode(new ArrayBuffer(0)), { code: 'NMC_ERR_TRUNCATED' });
