@@ -4,7 +4,7 @@
 set -eu
 
 build="g++ cmake ninja-build pkg-config libeigen3-dev libembree-dev libopenmesh-dev libtbb-dev libfmt-dev libcli11-dev \
-libfast-float-dev libtinygltf-dev nlohmann-json3-dev libstb-dev"
+libfast-float-dev nlohmann-json3-dev libstb-dev"
 test="catch2 python3 nodejs clang lld"
 
 case "${1:-build}" in

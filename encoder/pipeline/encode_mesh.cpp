@@ -69,7 +69,7 @@ struct SearchPlan {
   int trials_per_candidate;
 };
 SearchPlan plan_of(int effort) {
-  constexpr SearchPlan kPlans[9] = {{0, 3}, {0, 4}, {0, 5}, {1, 4}, {2, 4}, {3, 5}, {4, 6}, {6, 6}, {8, 8}};
+  constexpr SearchPlan kPlans[9] = {{0, 3}, {0, 4}, {0, 5}, {1, 3}, {1, 4}, {2, 5}, {3, 6}, {5, 6}, {8, 8}};
   return kPlans[std::clamp(effort, 1, 9) - 1];
 }
 
