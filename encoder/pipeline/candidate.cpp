@@ -27,22 +27,26 @@ struct Candidate::State {
 
 Candidate::Candidate(std::shared_ptr<const Parameterization> parameterization, const ReferenceSurface& reference,
                      const CandidateOptions& options, const Progress& progress)
+    : Candidate(DomainParameterizedSurface(*parameterization), base_of(*parameterization), reference, options,
+                progress) {
+  state_->parameterization = std::move(parameterization);
+}
+
+Candidate::Candidate(const ParameterizedSurface& surface, const ParameterizedBase& base,
+                     const ReferenceSurface& reference, const CandidateOptions& options, const Progress& progress)
     : state_(std::make_unique<State>()) {
   State& state = *state_;
-  state.parameterization = std::move(parameterization);
   state.reference = &reference;
   state.options = options;
-  const Parameterization& map = *state.parameterization;
 
   report(progress, "normal mesh", 0);
-  state.index = std::make_unique<SurfaceIndex>(*map.surface);
-  state.vertex_normals = vertex_normals(*map.surface);
+  state.index = std::make_unique<SurfaceIndex>(surface.surface());
+  state.vertex_normals = vertex_normals(surface.surface());
   state.input = std::make_unique<InputSurface>(InputSurface{*state.index, state.vertex_normals});
-  const DomainParameterizedSurface surface(map);
   InterpolatingOptions interpolating;
   interpolating.level_count = options.coded_level_count;
   interpolating.tension = options.tension;
-  InterpolatingResult interpolated = interpolate(surface, *state.index, base_of(map), interpolating);
+  InterpolatingResult interpolated = interpolate(surface, *state.index, base, interpolating);
   for (const LevelStatistics& level : interpolated.levels) {
     state.statistics.odd_vertex_count += level.vertex_count;
     state.statistics.non_normal_count += level.non_normal_count;

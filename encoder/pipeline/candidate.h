@@ -69,6 +69,9 @@ class Candidate {
   /// references to `reference` and shared ownership of the parameterization.
   Candidate(std::shared_ptr<const Parameterization> parameterization, const ReferenceSurface& reference,
             const CandidateOptions& options, const Progress& progress = {});
+  /// The same on any parameterized surface with a base, a sphere for one; neither is needed afterwards.
+  Candidate(const ParameterizedSurface& surface, const ParameterizedBase& base, const ReferenceSurface& reference,
+            const CandidateOptions& options, const Progress& progress = {});
   ~Candidate();
 
   const CandidateStatistics& statistics() const;

@@ -15,6 +15,8 @@
 #include "encoder/domain/relaxation.h"
 #include "encoder/measure/compare_meshes.h"
 #include "encoder/pipeline/target_search.h"
+#include "encoder/sphere/sphere_base.h"
+#include "encoder/sphere/sphere_parameterization.h"
 
 namespace nmc {
 
@@ -113,7 +115,16 @@ class MeshEncoder {
 
   EncodeResult run() {
     prepare();
-    choose();
+    if (options_.domain == DomainChoice::kSphere) {
+      choose_on_sphere();
+    } else {
+      choose();
+      if (options_.domain == DomainChoice::kAuto && best_.met && has_sphere()) {
+        Outcome general = std::move(best_);
+        choose_on_sphere();
+        if (!better(best_, general)) best_ = std::move(general);
+      }
+    }
     finish();
     clock_.stop();
     return std::move(result_);
@@ -189,15 +200,15 @@ class MeshEncoder {
     return best;
   }
 
-  int level_count_for(std::size_t base_index) const {
+  int level_count_for(int base_size) const {
     if (options_.level_count) return *options_.level_count;
-    if (base_sizes_[base_index] >= static_cast<int>(surface_.vertex_count())) return 1;
+    if (base_size >= static_cast<int>(surface_.vertex_count())) return 1;
     // A smooth surface wants 3 to 10 vertices per unit of 1 / error, the more of them the more detail the input
     // has; beyond a few times the input's own vertices there is nothing left to follow.
     const double vertices = static_cast<double>(surface_.vertex_count());
     const double error = relative_target();
     const double wanted = finer_ * std::min(4 * vertices, std::clamp(7e-5 * vertices / error, 3 / error, 10 / error));
-    const double ratio = std::max(1.0, wanted / base_sizes_[base_index]);
+    const double ratio = std::max(1.0, wanted / base_size);
     return std::clamp(static_cast<int>(std::ceil(std::log(ratio) / std::log(4.0) - 0.2)), 1, 8);
   }
 
@@ -209,29 +220,91 @@ class MeshEncoder {
     outcome.parameterization = std::make_shared<const Parameterization>(relax(*history_, base_index));
     clock_.start("normal mesh and fit");
     CandidateOptions candidate;
-    candidate.coded_level_count = level_count_for(base_index);
+    candidate.coded_level_count = level_count_for(base_sizes_[base_index]);
     candidate.tension = tension_;
     outcome.candidate =
         std::make_unique<Candidate>(outcome.parameterization, reference_, candidate, options_.progress);
+    search(candidate.coded_level_count, outcome);
+    return outcome;
+  }
+
+  /// The surface on the sphere, built once. Throws Error (kUnsupported) where it is not a closed genus-0 surface.
+  const SphereParameterizedSurface& sphere() {
+    if (!sphere_) {
+      clock_.start("parameterize");
+      SphereOptions sphere_options;
+      sphere_options.relative_decrease = 1e-5;
+      sphere_options.progress = options_.progress;
+      sphere_ = std::make_unique<SphereParameterizedSurface>(std::make_shared<TriangleMesh>(surface_),
+                                                             parameterize_sphere(surface_, sphere_options).positions);
+    }
+    return *sphere_;
+  }
+
+  Outcome evaluate_on_sphere(SphereBaseKind kind, int adaptive_size) {
+    Outcome outcome;
+    const SphereParameterizedSurface& surface = sphere();
+    SphereBaseOptions base_options;
+    base_options.kind = kind;
+    base_options.adaptive_vertex_count = static_cast<std::uint32_t>(adaptive_size);
+    const ParameterizedBase base = sphere_base(surface, base_options);
+    clock_.start("normal mesh and fit");
+    CandidateOptions candidate;
+    candidate.coded_level_count = level_count_for(static_cast<int>(base.positions.size()));
+    outcome.candidate = std::make_unique<Candidate>(surface, base, reference_, candidate, options_.progress);
+    search(candidate.coded_level_count, outcome);
+    return outcome;
+  }
+
+  /// Steps that reach the target on the outcome's candidate.
+  void search(int level_count, Outcome& outcome) {
     clock_.start("quantize");
     report(options_.progress, "quantization", 0);
-    TargetSearchOptions search;
-    search.maximum_trials = plan_.trials_per_candidate;
-    search.trial.measure_sample_count = 60000;
-    search.trial.quality_layer_count = options_.quality_layer_count;
+    TargetSearchOptions target_search;
+    target_search.maximum_trials = plan_.trials_per_candidate;
+    target_search.trial.measure_sample_count = 60000;
+    target_search.trial.quality_layer_count = options_.quality_layer_count;
     const double first_step =
         step_guess_ > 0 ? step_guess_
                         : result_.diagonal * 2e-3 * std::pow(relative_target() / 1.8e-4, 1.6);
     TargetSearchResult found =
-        search_target(*outcome.candidate, options_.target, description_, first_step, search);
+        search_target(*outcome.candidate, options_.target, description_, first_step, target_search);
     for (const Trial& t : found.trials) {
-      result_.attempts.push_back({outcome.candidate->statistics().base_vertex_count, candidate.coded_level_count,
+      result_.attempts.push_back({outcome.candidate->statistics().base_vertex_count, level_count,
                                   t.normal_step, t.byte_count, t.error});
     }
     outcome.met = found.best.has_value();
     outcome.trial = std::move(outcome.met ? *found.best : *found.nearest);
     step_guess_ = outcome.trial.normal_step;
-    return outcome;
+  }
+
+  /// Regular polyhedra first: their connectivity costs nothing. A surface with limbs wants vertices at their tips.
+  void choose_on_sphere() {
+    const int size = options_.base_vertex_count.value_or(base_sizes_[first_base_index()]);
+    if (options_.base_vertex_count && size != 6 && size != 12) {
+      best_ = evaluate_on_sphere(SphereBaseKind::kAdaptive, size);
+      return;
+    }
+    best_ = evaluate_on_sphere(size == 6 ? SphereBaseKind::kOctahedron : SphereBaseKind::kIcosahedron, 0);
+    for (int trial = 0; trial < 6 && !options_.base_vertex_count; ++trial) {
+      // Two sizes at least are compared; after that only a missed target goes on, each time with a finer base.
+      if (trial > 0 && best_.met) break;
+      if (trial > 1) finer_ *= 1.6;
+      step_guess_ = best_.met ? step_guess_ : 0;
+      Outcome next = evaluate_on_sphere(SphereBaseKind::kAdaptive, size << trial);
+      if (better(next, best_)) best_ = std::move(next);
+    }
+  }
+
+  /// True where the sphere can take the place of the general domain.
+  bool has_sphere() {
+    try {
+      sphere();
+      return true;
+    } catch (const Error& error) {
+      if (error.code() != ExitCode::kUnsupported && error.code() != ExitCode::kInternal) throw;
+      return false;
+    }
   }
 
   bool better(const Outcome& a, const Outcome& b) const {
@@ -307,8 +380,10 @@ class MeshEncoder {
     }
     final_trial.byte_count = result_.stream.bytes.size();
     result_.target_met = target_ratio(options_.target, final_trial) <= 1;
-    const Certificate certificate = certify(*best_.parameterization);
-    result_.folded_triangle_count = certificate.flipped + certificate.degenerate;
+    if (best_.parameterization) {  // the sphere's map was proven when it was made
+      const Certificate certificate = certify(*best_.parameterization);
+      result_.folded_triangle_count = certificate.flipped + certificate.degenerate;
+    }
   }
 
   const TriangleMesh& input_;
@@ -321,6 +396,7 @@ class MeshEncoder {
   StreamDescription description_;
   std::vector<int> base_sizes_;
   std::optional<CollapseHistory> history_;
+  std::unique_ptr<SphereParameterizedSurface> sphere_;
   double finer_ = 1;
   double tension_ = 1;
   double step_guess_ = 0;

@@ -24,11 +24,19 @@ struct Target {
   double value = 0;
 };
 
+/// What the surface is mapped to.
+enum class DomainChoice {
+  kGeneral,  // a base mesh of the surface's own topology
+  kSphere,   // closed surfaces of genus 0 only: the thesis's sphere, with an icosahedron or a mesh as the base
+  kAuto,     // general, and the sphere where it exists and takes fewer bytes
+};
+
 struct EncodeOptions {
   Target target;
   int effort = 5;                       // 1 ... 9
   std::optional<int> base_vertex_count; // default: chosen by cost
   std::optional<int> level_count;       // default: chosen by cost
+  DomainChoice domain = DomainChoice::kGeneral;
   int quality_layer_count = 1;          // 1: smallest file; more: better prefixes
   double crease_angle_degrees = 0;      // 0: no creases
   ConditionOptions condition;

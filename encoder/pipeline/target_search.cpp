@@ -69,7 +69,11 @@ TargetSearchResult search_target(Candidate& candidate, const Target& target, con
   };
   std::optional<Point> meets, fails;
   double log_step = std::log(first_step);
-  for (int i = 0; i < options.maximum_trials; ++i) {
+  // Two more trials are granted to a search that has a bracket but would end far inside the target.
+  constexpr int kMoreTrials = 2;
+  constexpr double kFarInside = 0.93;
+  for (int i = 0; i < options.maximum_trials + kMoreTrials; ++i) {
+    if (i >= options.maximum_trials && (!result.best || target_ratio(target, *result.best) >= kFarInside)) break;
     Trial trial = candidate.quantize(std::exp(log_step), description, options.trial);
     const double ratio = std::max(target_ratio(target, trial), 1e-12);
     const Point point{std::log(trial.normal_step), std::log(ratio)};
