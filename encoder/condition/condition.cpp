@@ -45,8 +45,7 @@ constexpr int kMaximumWeldRounds = 8, kMaximumSeparations = 4;
 class Conditioner {
  public:
   Conditioner(const TriangleMesh& input, const ConditionOptions& options, const Progress& progress)
-      : input_(input), options_(options), progress_(progress), mesh_{{}, {},        {},         {},
-                                                                     {}, out_.fate, out_.report} {}
+      : input_(input), options_(options), progress_(progress), mesh_(out_.fate, out_.report) {}
 
   ConditionedMesh run() {
     if (input_.triangle_count() >= kMaximumTriangles)

@@ -31,6 +31,9 @@ enum class Defect {
 };
 
 struct WorkingMesh {
+  WorkingMesh(std::vector<TriangleFate>& input_fate, ConditionReport& input_report)
+      : fate(input_fate), report(input_report) {}
+
   /// One per input vertex, then one per copy made by split_vertices(). Relative to the centre of the bounding
   /// box, so that a millimetre at 1e7 units from the origin keeps its bits in products and differences.
   std::vector<Vec3> positions;
