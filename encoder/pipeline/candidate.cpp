@@ -156,10 +156,11 @@ void Candidate::assess(const StreamDescription& description, const TrialOptions&
                         static_cast<std::size_t>(options.measure_sample_count));
 }
 
-std::size_t Candidate::repair(double tolerance, const StreamDescription& description, const TrialOptions& options,
-                              Trial& trial) const {
+std::size_t Candidate::repair(double tolerance, int maximum_rounds, const StreamDescription& description,
+                              const TrialOptions& options, Trial& trial) const {
   MaximumRepairOptions repair;
   repair.tolerance = tolerance;
+  repair.maximum_rounds = maximum_rounds;
   const MaximumRepairResult result = repair_maximum(*state_->reference->index, hierarchy(), repair, trial.mesh);
   assess(description, options, trial);
   return result.initial_beyond;

@@ -86,8 +86,8 @@ class Candidate {
 
   /// Brings the places of `trial` that are farther than `tolerance` from the input within it where a few integers
   /// can (maximum_repair.h), and measures it again. Returns the places that were beyond before.
-  std::size_t repair(double tolerance, const StreamDescription& description, const TrialOptions& options,
-                     Trial& trial) const;
+  std::size_t repair(double tolerance, int maximum_rounds, const StreamDescription& description,
+                     const TrialOptions& options, Trial& trial) const;
 
   /// The final stream of a trial, all rows measured.
   StreamBytes finish(const Trial& trial, const StreamDescription& description);
