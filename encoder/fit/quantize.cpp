@@ -79,15 +79,17 @@ class Quantization {
     fitted_base_.assign(values_.begin(),
                         values_.begin() + static_cast<std::ptrdiff_t>(3 * layout_.base_vertex_count));
     if (previous) start_at(*previous);
-    const int finest = layout_.coded_level_count - 1;
+    // The odd vertices of the finest coded level; without any level, the base vertices. The trace counts the
+    // plane residual once.
+    const int coded = layout_.coded_level_count;
+    const std::size_t first = coded > 0 ? hierarchy.level(coded - 1).vertex_count : 0;
+    const std::size_t last = hierarchy.level(coded).vertex_count;
     double curvature = 0;
-    const LevelTopology& topology = hierarchy.level(finest);
-    for (std::size_t e = 0; e < topology.edge_count; ++e) {
-      // Mean over directions: a third of the trace counts the plane residual once.
-      const SymmetricMatrix3& block = system.galerkin().diagonal(finest + 1, topology.vertex_count + e);
+    for (std::size_t v = first; v < last; ++v) {
+      const SymmetricMatrix3& block = system.galerkin().diagonal(coded, v);
       curvature += double{block.xx} + block.yy + block.zz;
     }
-    curvature /= static_cast<double>(topology.edge_count);
+    curvature /= static_cast<double>(last - first);
     lambda_ = options.lambda_factor * 0.5 * curvature * options.normal_step * options.normal_step;
   }
 
@@ -164,7 +166,7 @@ class Quantization {
       const double c = values_[begin + e];
       std::int32_t q = 0;
       if (active_[begin + e]) {
-        q = static_cast<std::int32_t>(std::abs(c) / delta + 0.45);
+        q = static_cast<std::int32_t>(std::min(std::abs(c) / delta + 0.45, 6e7));
         if (c < 0) q = -q;
       }
       field_.values[vertex_count + e] = q;

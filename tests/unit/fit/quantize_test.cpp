@@ -191,4 +191,21 @@ TEST_CASE(
   CHECK(all == whole);
 }
 
+TEST_CASE("Smoothing levels carry no coefficients, and a mesh without levels quantizes its base") {
+  const BumpySphere surface;
+  for (const int coded : {0, 3}) {
+    const NormalMesh mesh = interpolating_mesh(surface, 4);
+    MeshQuantizer quantizer(mesh, coded, radial_samples(surface, mesh), nullptr);
+    QuantizeOptions options;
+    options.normal_step = 1e-3;
+    QuantizeReport report;
+    const QuantizedMesh quantized = quantizer.quantize(options, &report);
+    CHECK(quantized.level_count() == coded);
+    CHECK(quantized.smoothing_level_count == 4 - coded);
+    CHECK(quantized.base_coordinates.size() == 6);
+    CHECK(report.final_rms < (coded == 0 ? 0.5 : 0.02));
+    CHECK(reconstruct(quantized, mesh.hierarchy, 4).size() == mesh.hierarchy.level(4).vertex_count);
+  }
+}
+
 }  // namespace nmc
