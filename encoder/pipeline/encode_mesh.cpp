@@ -344,6 +344,14 @@ class MeshEncoder {
       if (better(next, best_)) best_ = std::move(next);
     }
     if (!best_.met) return;
+    // Where a coarse step loses whole limbs, they hang on tangential coefficients: far more base vertices carry them.
+    const double whole_limb = 60 * relative_target() * result_.diagonal;
+    const bool limbs_lost = std::any_of(result_.attempts.begin(), result_.attempts.end(),
+                                        [&](const auto& a) { return a.error.maximum > whole_limb; });
+    if (limbs_lost && !options_.base_vertex_count && best_.base_index + 3 < base_sizes_.size()) {
+      Outcome next = evaluate(best_.base_index + 3);
+      if (better(next, best_)) best_ = std::move(next);
+    }
     for (const int direction : {1, -1}) {
       bool moved = false;
       while (left > 0) {
