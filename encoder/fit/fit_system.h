@@ -28,7 +28,7 @@ struct MinimizeOptions {
   int maximum_outer = 4;
   int maximum_inner = 30;
   /// Conjugate gradients stop when the preconditioned residual norm has fallen by this factor.
-  double inner_tolerance = 1e-2;
+  double inner_tolerance = 0.1;
   /// Outer steps stop when the energy falls by less than this share.
   double outer_tolerance = 1e-3;
   /// Halvings of a step before it is given up.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoder/fit/quantize.h"
 
+#include <oneapi/tbb/global_control.h>
+
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -206,6 +208,28 @@ TEST_CASE("Smoothing levels carry no coefficients, and a mesh without levels qua
     CHECK(report.final_rms < (coded == 0 ? 0.5 : 0.02));
     CHECK(reconstruct(quantized, mesh.hierarchy, 4).size() == mesh.hierarchy.level(4).vertex_count);
   }
+}
+
+TEST_CASE("One thread and many give the same integers") {
+  const auto quantize_with = [](std::size_t thread_count) {
+    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                            thread_count);
+    const BumpySphere surface;
+    NormalMesh mesh = interpolating_mesh(surface, 4, 13);
+    std::vector<SurfaceSample> samples = radial_samples(surface, mesh);
+    const TriangleMesh fine = fine_mesh(surface, 5);
+    const SurfaceIndex index(fine);
+    const std::vector<Vec3> normals = vertex_normals(fine);
+    const InputSurface input{index, normals};
+    global_fit({}, &input, samples, mesh);
+    MeshQuantizer quantizer(mesh, 4, samples, &input);
+    QuantizeOptions options;
+    options.normal_step = 2e-3;
+    return quantizer.quantize(options);
+  };
+  const QuantizedMesh one = quantize_with(1), many = quantize_with(4);
+  CHECK(one.normal == many.normal);
+  CHECK(one.base_coordinates == many.base_coordinates);
 }
 
 }  // namespace nmc
