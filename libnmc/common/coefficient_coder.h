@@ -88,9 +88,20 @@ class CoefficientModel {
   template <class Coder>
   void code_inner_edges(Coder& coder, const LevelView& view, const LevelTopology& coarse,
                         std::uint32_t coarse_face, std::int32_t* values);
-  template <class Coder>
-  void code_open_block(Coder& coder, const LevelView& view, Kind kind, std::uint32_t first_edge,
-                       int edge_count, std::int32_t* values);
+  struct FaceSurroundings;
+  static coefficient_internal::Surroundings look_around_half(const LevelView& view,
+                                                             const LevelTopology& coarse,
+                                                             std::uint32_t coarse_edge, std::uint32_t half,
+                                                             const std::int32_t* values);
+  static void look_around_face(const LevelView& view, const LevelTopology& coarse, std::uint32_t coarse_face,
+                               const std::int32_t* values, FaceSurroundings& around);
+  static coefficient_internal::Surroundings look_around_inner(const LevelView& view,
+                                                              const LevelTopology& coarse,
+                                                              std::uint32_t coarse_face, std::uint32_t k,
+                                                              const std::int32_t* values,
+                                                              const FaceSurroundings& face);
+  /// What an edge sees, found through the level's own connectivity: for level 0, and the definition of the
+  /// other two.
   static coefficient_internal::Surroundings look_around(const LevelView& view, std::uint32_t edge,
                                                         const std::int32_t* values);
   template <class Coder>

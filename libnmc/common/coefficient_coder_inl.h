@@ -351,16 +351,143 @@ Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const Lev
   return ok_status();
 }
 
-template <class Coder>
-void CoefficientModel::code_open_block(Coder& coder, const LevelView& view, Kind kind,
-                                       std::uint32_t first_edge, int edge_count, std::int32_t* values) {
-  bool all_zero = true;
-  for (int i = 0; i < edge_count; ++i) {
-    const std::uint32_t edge = first_edge + static_cast<std::uint32_t>(i);
-    values[edge] = code_normal(coder, view, look_around(view, edge, values), kind,
-                               all_zero && i == edge_count - 1, edge, values);
-    all_zero &= values[edge] == 0;
+namespace coefficient_internal {
+
+/// The corner of `face` at `vertex`, which it has.
+inline std::uint32_t corner_at(const LevelTopology& topology, std::uint32_t face, std::uint32_t vertex) {
+  const std::uint32_t* v = topology.face_vertices.data() + std::size_t{3} * face;
+  return v[0] == vertex ? 0u : v[1] == vertex ? 1u : 2u;
+}
+/// Which of the edges of `face` is `edge`, by its opposite corner.
+inline std::uint32_t side_of(const LevelTopology& topology, std::uint32_t face, std::uint32_t edge) {
+  const std::uint32_t* e = topology.face_edges.data() + std::size_t{3} * face;
+  return e[0] == edge ? 0u : e[1] == edge ? 1u : 2u;
+}
+/// The half of a coarse edge that ends at `vertex`.
+inline std::uint32_t half_at(const LevelTopology& coarse, std::uint32_t edge, std::uint32_t vertex) {
+  return 2 * edge + (coarse.edge_vertices[2 * edge] == vertex ? 0u : 1u);
+}
+
+}  // namespace coefficient_internal
+
+inline coefficient_internal::Surroundings CoefficientModel::look_around_half(const LevelView& view,
+                                                                             const LevelTopology& coarse,
+                                                                             std::uint32_t coarse_edge,
+                                                                             std::uint32_t half,
+                                                                             const std::int32_t* values) {
+  using namespace coefficient_internal;
+  const std::int32_t* const previous = view.previous;
+  const std::uint32_t edge = 2 * coarse_edge + half, inner_begin = 2 * coarse.edge_count;
+  const std::uint32_t end = coarse.edge_vertices[edge];
+  Surroundings around;
+  for (std::uint32_t side = 0; side < 2; ++side) {
+    const std::uint32_t face = coarse.edge_faces[2 * coarse_edge + side];
+    if (face == kNone) {
+      around.add_boundary();
+      continue;
+    }
+    // The child of `face` at `end`: an inner edge, and a half of the other coarse edge there.
+    const std::uint32_t corner = corner_at(coarse, face, end);
+    const std::uint32_t other = coarse.face_edges[3 * face + 3 - corner - side_of(coarse, face, coarse_edge)];
+    around.add_opposite(view.vertex_values[coarse.vertex_count + other]);
+    if (previous) {
+      const std::int32_t* inner = previous + inner_begin + std::size_t{3} * face;
+      around.add_near(inner[corner]);
+      around.add_far(inner[corner == 0 ? 1 : 0]);
+      around.add_far(inner[corner == 2 ? 1 : 2]);
+    } else {
+      around.add_unknown_near();
+    }
+    const std::uint32_t near = half_at(coarse, other, end);
+    if (near < edge) {
+      around.add_near(values[near]);
+    } else if (previous) {
+      around.add_near(previous[near]);
+    } else {
+      around.add_unknown_near();
+    }
+    const std::uint32_t beyond = coarse.face_across(other, face);
+    if (beyond == kNone) continue;
+    const std::uint32_t corner_beyond = corner_at(coarse, beyond, end);
+    if (previous) around.add_far(previous[inner_begin + std::size_t{3} * beyond + corner_beyond]);
+    const std::uint32_t third =
+        coarse.face_edges[3 * beyond + 3 - corner_beyond - side_of(coarse, beyond, other)];
+    const std::uint32_t far = half_at(coarse, third, end);
+    if (far < edge) {
+      around.add_far(values[far]);
+    } else if (previous) {
+      around.add_far(previous[far]);
+    }
   }
+  around.add_parent(view.vertex_values[end]);
+  around.add_parent(view.vertex_values[coarse.vertex_count + coarse_edge]);
+  return around;
+}
+
+/// What the three inner edges of one coarse face see of the halves around: gathered once.
+struct CoefficientModel::FaceSurroundings {
+  std::int32_t halves[3][2];            // at each corner: of the edge after it, and of the edge before it
+  bool has_beyond[3][2];                // whether there is a face beyond that half
+  std::int32_t far_half[3][2];          // beyond that half: the next half at the same corner,
+  const std::int32_t* far_inner[3][2];  // and the inner edge across it, null when it is not yet known
+};
+
+inline void CoefficientModel::look_around_face(const LevelView& view, const LevelTopology& coarse,
+                                               std::uint32_t coarse_face, const std::int32_t* values,
+                                               FaceSurroundings& around) {
+  using namespace coefficient_internal;
+  const std::uint32_t* e = coarse.face_edges.data() + std::size_t{3} * coarse_face;
+  const std::uint32_t* v = coarse.face_vertices.data() + std::size_t{3} * coarse_face;
+  for (std::uint32_t j = 0; j < 3; ++j) {
+    const std::uint32_t edge = e[j];
+    const std::uint32_t beyond = coarse.face_across(edge, coarse_face);
+    const std::uint32_t side_beyond = beyond == kNone ? 0 : side_of(coarse, beyond, edge);
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      // Edge j runs between the corners j + 1 and j + 2; it comes before the one and after the other.
+      const std::uint32_t corner = (j + 1 + i) % 3, slot = 1 - i;
+      const std::uint32_t end = v[corner];
+      around.halves[corner][slot] = values[half_at(coarse, edge, end)];
+      around.has_beyond[corner][slot] = beyond != kNone;
+      if (beyond == kNone) continue;
+      const std::uint32_t corner_beyond = corner_at(coarse, beyond, end);
+      const std::uint32_t third = coarse.face_edges[3 * beyond + 3 - corner_beyond - side_beyond];
+      around.far_half[corner][slot] = values[half_at(coarse, third, end)];
+      const std::int32_t* from = beyond < coarse_face ? values : view.previous;
+      around.far_inner[corner][slot] =
+          from ? from + 2 * std::size_t{coarse.edge_count} + std::size_t{3} * beyond + corner_beyond
+               : nullptr;
+    }
+  }
+}
+
+inline coefficient_internal::Surroundings CoefficientModel::look_around_inner(
+    const LevelView& view, const LevelTopology& coarse, std::uint32_t coarse_face, std::uint32_t k,
+    const std::int32_t* values, const FaceSurroundings& face) {
+  using namespace coefficient_internal;
+  const std::uint32_t* e = coarse.face_edges.data() + std::size_t{3} * coarse_face;
+  const std::size_t first = 2 * std::size_t{coarse.edge_count} + std::size_t{3} * coarse_face;
+  Surroundings around;
+  for (std::uint32_t i = 1; i <= 2; ++i) {
+    const std::uint32_t j = (k + i) % 3;
+    if (j < k) {
+      around.add_near(values[first + j]);
+    } else if (view.previous) {
+      around.add_near(view.previous[first + j]);
+    } else {
+      around.add_unknown_near();
+    }
+    around.add_far(face.halves[j][0]);
+    around.add_far(face.halves[j][1]);
+    around.add_parent(view.vertex_values[coarse.vertex_count + e[j]]);
+    around.add_near(face.halves[k][i - 1]);
+    if (face.has_beyond[k][i - 1]) {
+      around.add_far(face.far_half[k][i - 1]);
+      if (face.far_inner[k][i - 1]) around.add_far(*face.far_inner[k][i - 1]);
+    }
+  }
+  around.add_opposite(view.vertex_values[coarse.vertex_count + e[k]]);
+  around.add_opposite(view.vertex_values[coarse.face_vertices[3 * coarse_face + k]]);
+  return around;
 }
 
 template <class Coder>
@@ -392,13 +519,15 @@ void CoefficientModel::code_half_edges(Coder& coder, const LevelView& view, cons
       wide += known(2 * e + 1 - at_start);
     }
   }
-  const Kind alone = kHalfEdge;
-  if (middle + near_sum + opposite != 0) {
-    for (std::uint32_t edge = first; edge < first + 2; ++edge) {
-      values[edge] = code_normal(coder, view, look_around(view, edge, values), alone, false, edge, values);
+  const auto code_both = [&](Kind kind) {
+    for (std::uint32_t half = 0; half < 2; ++half) {
+      const bool is_known_nonzero = kind == kHalfOfOpenBlock && half == 1 && values[first] == 0;
+      values[first + half] =
+          code_normal(coder, view, look_around_half(view, coarse, coarse_edge, half, values), kind,
+                      is_known_nonzero, first + half, values);
     }
-    return;
-  }
+  };
+  if (middle + near_sum + opposite != 0) return code_both(kHalfEdge);
   const std::int32_t ends =
       context_magnitude(view.vertex_values[a]) + context_magnitude(view.vertex_values[b]);
   BlockStates& states = half_blocks_[previous ? 1 : 0];
@@ -411,10 +540,7 @@ void CoefficientModel::code_half_edges(Coder& coder, const LevelView& view, cons
   const int is_open = coder.code(values[first] != 0 || values[first + 1] != 0, open.probability(mixer));
   open.update(is_open, mixer, kSignificanceCountLimit);
   last_half_blocks_ = 2 * last_half_blocks_ + static_cast<std::uint32_t>(is_open);
-  if (is_open) {
-    code_open_block(coder, view, kHalfOfOpenBlock, first, 2, values);
-    return;
-  }
+  if (is_open) return code_both(kHalfOfOpenBlock);
   values[first] = values[first + 1] = 0;
   run_ -= run_ >> 3;
   run_ -= run_ >> 3;
@@ -433,13 +559,18 @@ void CoefficientModel::code_inner_edges(Coder& coder, const LevelView& view, con
     near_sum += context_magnitude(values[2 * e]) + context_magnitude(values[2 * e + 1]);
     if (previous) near_sum += context_magnitude(previous[first + k]);
   }
-  if (near_sum != 0) {
-    for (std::uint32_t edge = first; edge < first + 3; ++edge) {
-      values[edge] =
-          code_normal(coder, view, look_around(view, edge, values), kInnerEdge, false, edge, values);
+  const auto code_three = [&](Kind kind) {
+    FaceSurroundings around;
+    look_around_face(view, coarse, coarse_face, values, around);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const bool is_known_nonzero =
+          kind == kInnerOfOpenBlock && k == 2 && values[first] == 0 && values[first + 1] == 0;
+      values[first + k] =
+          code_normal(coder, view, look_around_inner(view, coarse, coarse_face, k, values, around), kind,
+                      is_known_nonzero, first + k, values);
     }
-    return;
-  }
+  };
+  if (near_sum != 0) return code_three(kInnerEdge);
   for (int k = 0; k < 3; ++k) {
     corners += context_magnitude(view.vertex_values[coarse.face_vertices[3 * coarse_face + k]]);
     const std::uint32_t e = coarse.face_edges[3 * coarse_face + k];
@@ -463,10 +594,7 @@ void CoefficientModel::code_inner_edges(Coder& coder, const LevelView& view, con
                                  open.probability(mixer));
   open.update(is_open, mixer, kSignificanceCountLimit);
   last_inner_blocks_ = 2 * last_inner_blocks_ + static_cast<std::uint32_t>(is_open);
-  if (is_open) {
-    code_open_block(coder, view, kInnerOfOpenBlock, first, 3, values);
-    return;
-  }
+  if (is_open) return code_three(kInnerOfOpenBlock);
   values[first] = values[first + 1] = values[first + 2] = 0;
   for (int i = 0; i < 3; ++i) run_ -= run_ >> 3;
 }
