@@ -18,6 +18,9 @@ const wasm = readFileSync(join(directory, 'nmc_decoder.wasm'));
 const source = readFileSync(join(here, 'nmc-decoder.src.mjs'), 'utf8');
 // Compressed inside: what base64 spreads out, no server can compress any more.
 const bundle = source.replace('@MODULE_BASE64@', deflateSync(wasm, { level: 9 }).toString('base64'));
-writeFileSync(join(here, 'nmc-decoder.mjs'), bundle);
+// Comments stay in the source; the types beside the module carry what a user reads.
+const [licence, ...lines] = bundle.split('\n');
+const shipped = [licence, ...lines.filter((line) => !/^\s*(\/\/|\/\*\*|\*)/.test(line))].join('\n');
+writeFileSync(join(here, 'nmc-decoder.mjs'), shipped);
 const size = (bytes) => `${bytes.length} bytes, ${brotliCompressSync(bytes).length} with brotli`;
-console.log(`nmc_decoder.wasm: ${size(wasm)}; nmc-decoder.mjs: ${size(Buffer.from(bundle))}`);
+console.log(`nmc_decoder.wasm: ${size(wasm)}; nmc-decoder.mjs: ${size(Buffer.from(shipped))}`);
