@@ -35,6 +35,7 @@ struct Arguments {
   std::optional<double> bits_per_vertex, quality;
   int effort = 5;
   std::optional<int> base, levels;
+  std::string domain = "general";
   int layers = 1;
   double crease = 0;
   std::string repair = "auto", units, up, report, progress = "auto";
@@ -128,6 +129,9 @@ int run(const Arguments& arguments) {
   options.effort = arguments.effort;
   options.base_vertex_count = arguments.base;
   options.level_count = arguments.levels;
+  options.domain = arguments.domain == "sphere" ? nmc::DomainChoice::kSphere
+                   : arguments.domain == "auto" ? nmc::DomainChoice::kAuto
+                                                : nmc::DomainChoice::kGeneral;
   options.quality_layer_count = arguments.layers;
   options.crease_angle_degrees = arguments.crease;
   if (!arguments.units.empty()) options.units = nmc::parse_units(arguments.units);
@@ -231,6 +235,10 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--base", arguments.base, "vertices of the base mesh (default: chosen by cost)")
       ->check(CLI::Range(3, 1000000));
+  app.add_option("--domain", arguments.domain,
+                 "general: a base mesh of any topology; sphere: for closed shapes without handles; auto: the better one")
+      ->check(CLI::IsMember({"general", "sphere", "auto"}))
+      ->capture_default_str();
   app.add_option("--levels", arguments.levels, "subdivision levels (default: chosen by cost)")
       ->check(CLI::Range(1, 10));
   app.add_option("--layers", arguments.layers,
