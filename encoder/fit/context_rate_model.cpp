@@ -9,9 +9,9 @@ namespace nmc {
 
 namespace {
 
-// Weights of the coder's mean: (2 near + 0.8 parents + 0.3 opposite) / 3.1, near a mean of up to four edges,
-// parents and opposites sums of two magnitudes each with half of these weights. In units of 1 / (31 * 120) of
-// a magnitude times 16.
+// Weights of the coder's mean magnitude in sixteenths, (2 near + 0.8 parents + 0.3 opposites) / 3.1 times 16:
+// near is a mean of up to four edges, parents and opposites are means of two. Multiplied by 31, so that they
+// are integers, and by 12, so that they remain so when divided by the number of near edges.
 constexpr std::int32_t kNearTotal = 320 * 12;  // divided by the number of near edges (1, 2, 3, 4)
 constexpr std::int32_t kParent = 64 * 12;
 constexpr std::int32_t kOpposite = 24 * 12;

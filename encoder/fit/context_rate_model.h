@@ -38,7 +38,7 @@ class ContextRateModel final : public RateModel {
   /// Edges whose context holds the coefficient of an edge, with the weight it has there.
   struct Dependent {
     std::uint32_t vertex;  // of the dependent coefficient
-    std::int32_t weight;   // on the magnitude, in 1/16 * 31 (see kNear...)
+    std::int32_t weight;   // of a magnitude there: see the constants of the source file
   };
   struct Statistics {
     std::array<float, kMagnitudes> bits;  // of a magnitude, sign included
