@@ -377,10 +377,12 @@ class MeshEncoder {
     // The search measures with fewer samples; the verdict is that of the full measurement.
     Trial final_trial = best_.trial;
     final_trial.error = result_.error;
-    for (int tries = 0; best_.met && target_ratio(options_.target, final_trial) > 1 && tries < 3; ++tries) {
+    for (int tries = 0; best_.met && target_ratio(options_.target, final_trial) > 1 && tries < 6; ++tries) {
       TrialOptions trial;
       trial.quality_layer_count = options_.quality_layer_count;
-      best_.trial = best_.candidate->quantize(best_.trial.normal_step * 0.985, description_, trial);
+      const double excess = target_ratio(options_.target, final_trial);
+      const double step = best_.trial.normal_step * std::clamp(std::pow(0.99 / excess, 1.6), 0.5, 0.985);
+      best_.trial = try_step(*best_.candidate, options_.target, description_, step, trial);
       result_.stream = best_.candidate->finish(best_.trial, description_);
       result_.error = result_.stream.rows.back().error;
       final_trial = best_.trial;

@@ -19,6 +19,26 @@ double target_ratio(const Target& target, const Trial& trial) {
   return 0;
 }
 
+Trial try_step(Candidate& candidate, const Target& target, const StreamDescription& description, double step,
+               const TrialOptions& options) {
+  Trial trial = candidate.quantize(step, description, options);
+  if (target.kind == TargetKind::kMaximumError) {
+    if (target_ratio(target, trial) > 1) candidate.repair(target.value, 8, description, options, trial);
+    return trial;
+  }
+  // A lost tip of a limb weighs as much in the mean as all the rest, and takes a few integers to bring back. Distances
+  // of so many RMS errors are no longer noise of the quantization.
+  constexpr double kSpike = 12;
+  const double spike = kSpike * (target.kind == TargetKind::kSize ? trial.error.rms : target.value);
+  if (trial.error.maximum <= 1.3 * spike) return trial;
+  Trial repaired = trial;
+  candidate.repair(spike, 4, description, options, repaired);
+  const double rms_gain = std::log(trial.error.rms / repaired.error.rms);
+  const double size_loss = std::log(static_cast<double>(repaired.byte_count) / static_cast<double>(trial.byte_count));
+  // Along the usual curve, bytes go with the error to the power of -1 or so; spikes count a little by themselves.
+  return size_loss < rms_gain + 0.02 ? repaired : trial;
+}
+
 namespace {
 
 /// The maximum depends on a handful of places, and hardly on the step until that is far too fine. So the step follows
@@ -30,8 +50,7 @@ TargetSearchResult search_maximum_error(Candidate& candidate, const Target& targ
   std::optional<double> meets, fails;  // steps
   double step = first_step;
   for (int i = 0; i < options.maximum_trials; ++i) {
-    Trial trial = candidate.quantize(step, description, options.trial);
-    if (target_ratio(target, trial) > 1) candidate.repair(target.value, 8, description, options.trial, trial);
+    Trial trial = try_step(candidate, target, description, step, options.trial);
     Trial record = trial;
     record.mesh = {};
     record.coarser_layers.clear();
@@ -72,21 +91,9 @@ TargetSearchResult search_target(Candidate& candidate, const Target& target, con
   // Two more trials are granted to a search that has a bracket but would end far inside the target.
   constexpr int kMoreTrials = 2;
   constexpr double kFarInside = 0.93;
-  // Distances of so many RMS errors are no longer noise of the quantization.
-  constexpr double kSpike = 12;
   for (int i = 0; i < options.maximum_trials + kMoreTrials; ++i) {
     if (i >= options.maximum_trials && (!result.best || target_ratio(target, *result.best) >= kFarInside)) break;
-    Trial trial = candidate.quantize(std::exp(log_step), description, options.trial);
-    // A lost tip of a limb weighs as much in the mean as all the rest, and takes a few integers to bring back.
-    const double spike = kSpike * (is_size ? trial.error.rms : target.value);
-    if (trial.error.maximum > 1.3 * spike) {
-      Trial repaired = trial;
-      candidate.repair(spike, 4, description, options.trial, repaired);
-      const double rms_gain = std::log(trial.error.rms / repaired.error.rms);
-      const double size_loss = std::log(static_cast<double>(repaired.byte_count) / static_cast<double>(trial.byte_count));
-      // Along the usual curve, bytes go with the error to the power of -1 or so; spikes count a little by themselves.
-      if (size_loss < rms_gain + 0.02) trial = std::move(repaired);
-    }
+    Trial trial = try_step(candidate, target, description, std::exp(log_step), options.trial);
     const double ratio = std::max(target_ratio(target, trial), 1e-12);
     const Point point{std::log(trial.normal_step), std::log(ratio)};
     Trial record = trial;

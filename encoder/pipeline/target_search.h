@@ -28,6 +28,11 @@ struct TargetSearchResult {
 /// What a target asks of a trial: at most 1 when it is met.
 double target_ratio(const Target& target, const Trial& trial);
 
+/// One trial with `step`, its spikes repaired as the target asks: every place beyond a maximum error; for the other
+/// targets those far beyond the mean, where that pays.
+Trial try_step(Candidate& candidate, const Target& target, const StreamDescription& description, double step,
+               const TrialOptions& options);
+
 /// Error and size follow powers of the step, so the search is a secant method in logarithms that keeps a bracket.
 /// `first_step` is a guess. For a maximum error trials are repaired where they miss it (Candidate::repair).
 TargetSearchResult search_target(Candidate& candidate, const Target& target, const StreamDescription& description,
