@@ -44,6 +44,9 @@ struct Level {
   const InterpolatingOptions& options;
   double aperture;
   std::vector<BaseCurve> curves;
+  /// The input's points at the vertices' parameters: what the vertices of an interpolating mesh are, and what
+  /// those of a variational or a quantized one stand for.
+  std::vector<Vec3> anchors;
 
   bool on_curve(std::uint32_t edge) const { return topology.is_curve(edge); }
   /// Both halves of an edge follow it in the numbering, so the edges of a base edge are those with its number
@@ -55,8 +58,10 @@ struct Level {
 /// and level by level an extremity slips through between the samples. So distances are taken along the
 /// surface, by way of its points at the middles of both parts, and the more these ways bend the more evenly
 /// they have to divide.
-bool divides_evenly(const Level& level, const EdgeChart& e, const ChartPoint& at, const Vec3& x,
-                    const Vec3& a, const Vec3& b) {
+bool divides_evenly(const Level& level, std::uint32_t edge, const EdgeChart& e, const ChartPoint& at,
+                    const Vec3& x) {
+  const Vec3& a = level.anchors[level.topology.edge_vertices[2 * edge]];
+  const Vec3& b = level.anchors[level.topology.edge_vertices[2 * edge + 1]];
   const auto way = [&](const ChartPoint& end, const Vec3& from) {
     const Vec3 middle = level.map.position(level.map.locate(level.map.from_chart(e.chart, 0.5 * (end + at))));
     return distance(from, middle) + distance(middle, x);
@@ -100,7 +105,7 @@ OddVertexChoice pierce_surface(const Level& level, std::uint32_t edge, const Vec
     const double deviation = squared_length(at - e.predicted);
     if (deviation > nearest || squared_length(at - e.midpoint) > e.half_length * e.half_length) continue;
     if (dot(level.map.face_normal(hit.triangle), normal) <= level.options.least_normal_agreement) continue;
-    if (adaptive && !divides_evenly(level, e, at, hit.position, a, b)) continue;
+    if (adaptive && !divides_evenly(level, edge, e, at, hit.position)) continue;
     nearest = deviation;
     choice.source = OddVertexSource::kPierced;
     choice.parameter = level.map.from_chart(e.chart, at);
@@ -125,7 +130,7 @@ OddVertexChoice pierce_curve(const Level& level, std::uint32_t edge, const Vec3&
       curve.cross_plane(prediction, frame.along, low, high, [&](const BaseCurve::Crossing& c) {
         if (std::abs(c.share - 0.5 * (low + high)) > limit) return false;
         return !adaptive ||
-               ratio_is_balanced(c.position, level.positions[a], level.positions[b], level.aperture);
+               ratio_is_balanced(c.position, curve.point(low), curve.point(high), level.aperture);
       });
   if (!crossing.found) return choice;
   choice.source = OddVertexSource::kPierced;
@@ -141,16 +146,22 @@ LevelInsertion insert_level(const ParameterizedSurface& map, const SurfaceIndex&
                             std::span<const Vec3> positions, std::span<const SurfaceParameter> parameters,
                             const InterpolatingOptions& options) {
   const LevelTopology& topology = hierarchy.level(level_number);
-  const Level level{map,
-                    index,
-                    hierarchy,
-                    topology,
-                    level_number,
-                    positions.data(),
-                    parameters,
-                    options,
-                    aperture_at(options, level_number),
-                    base_curves(map, hierarchy.level(0))};
+  Level level{map,
+              index,
+              hierarchy,
+              topology,
+              level_number,
+              positions.data(),
+              parameters,
+              options,
+              aperture_at(options, level_number),
+              base_curves(map, hierarchy.level(0)),
+              {}};
+  if (options.aperture_rule == ApertureRule::kAdaptive) {
+    level.anchors.resize(topology.vertex_count);
+    parallel_for(topology.vertex_count,
+                 [&](std::size_t v) { level.anchors[v] = map.position(map.locate(parameters[v])); });
+  }
   const std::size_t edge_count = topology.edge_count;
   LevelInsertion result;
   result.positions.resize(edge_count);

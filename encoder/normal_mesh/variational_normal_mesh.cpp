@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "encoder/core/parallel.h"
-#include "encoder/normal_mesh/unconstrained_vector_mesh.h"
 #include "libnmc/common/local_frame.h"
 
 namespace nmc {
@@ -73,11 +72,14 @@ VariationalResult variational_normal_mesh(const ParameterizedSurface& map, const
                                           level_count, base.creases);
   result.parameters = base.parameters;
   std::vector<Vec3> positions = base.positions;
-  if (options.fit_base) {
-    positions = fit_vectors(map, result.hierarchy.level(0), 0, positions, base.parameters, options.quadrature,
-                            options.solver);
-  }
   result.directions = base_normals(result.hierarchy.level(0), positions);
+  if (options.fit_base) {
+    int iterations = 0;
+    const std::vector<double> moves =
+        solve_along_lines(map, result.hierarchy.level(0), 0, positions, base.parameters, result.directions,
+                          options, iterations);
+    for (std::size_t v = 0; v < positions.size(); ++v) positions[v] += moves[v] * result.directions[v];
+  }
   result.positions.push_back(positions);
   result.coefficients.emplace_back();
 

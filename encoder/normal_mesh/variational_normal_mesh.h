@@ -23,9 +23,10 @@ struct VariationalOptions {
   InterpolatingOptions interpolating;  // levels, prediction, aperture
   QuadratureOptions quadrature;
   ConjugateGradientOptions solver;
-  /// Moves the base vertices, as free vectors, to the best approximation by the base mesh; otherwise S^0 =
-  /// R^0.
-  bool fit_base = true;
+  /// Also slides the base vertices along their normals before the first level; otherwise S^0 = R^0, as in
+  /// Figure 3.6. Either way every line passes through R(u) of its vertex, without which a fine level could
+  /// not converge.
+  bool fit_base = false;
 };
 
 struct VariationalResult {

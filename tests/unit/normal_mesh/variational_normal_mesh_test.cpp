@@ -125,6 +125,26 @@ TEST_CASE("variational normal mesh: vertices never leave their normal lines", "[
   CHECK(worst < 1e-14);
 }
 
+TEST_CASE("variational normal mesh: every normal line passes through the point of the input at its parameter",
+          "[variational]") {
+  const Scene scene(make_parameterization(test::octahedron(), 4, 0.2, test::on_bumpy_sphere));
+  for (const bool fit_base : {false, true}) {
+    VariationalOptions options;
+    options.interpolating.level_count = 3;
+    options.fit_base = fit_base;
+    const ParameterizedBase base = base_of(scene.map);
+    const VariationalResult result = variational_normal_mesh(scene.surface, scene.index, base, options);
+    double worst = 0;
+    for (std::size_t v = 0; v < result.directions.size(); ++v) {
+      const Vec3 offset =
+          scene.surface.position(scene.surface.locate(result.parameters[v])) - result.positions[3][v];
+      worst = std::max(worst, norm(cross(offset, result.directions[v])));
+    }
+    CHECK(worst < 1e-10);
+    CHECK((result.positions[0] == base.positions) == !fit_base);
+  }
+}
+
 TEST_CASE("variational normal mesh: the solution is a minimum along every line", "[variational]") {
   const Scene scene(make_parameterization(test::octahedron(), 4, 0, test::on_bumpy_sphere));
   VariationalOptions options;
