@@ -2,7 +2,6 @@
 #include "encoder/domain/maps_collapse.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -25,12 +24,9 @@ constexpr int kMaximumValence = 9;
 /// Far from a base two more are allowed. Eleven faces span 660 degrees of the domain: when a vertex splits on
 /// the way back, one of the two parts of its ring spans less than 360, and that part's vertex finds room.
 constexpr int kLooseValence = 2;
-/// Faces between two chain edges at a boundary vertex and at a crease vertex. Cones cannot pass between a
-/// chain and the open surface, so a fan at a chain vertex must stay below 360 degrees, and below 180 where a
-/// chain itself splits.
-constexpr int kMaximumBoundarySector = 5;
-constexpr int kMaximumCreaseSector = 4;
-constexpr int kMaximumCornerSector = 3;
+/// Of boundary vertices, in faces including the two ghosts: their faces then span at most 300 degrees of the
+/// domain, and a vertex that splits off on the way back finds room.
+constexpr int kMaximumBoundaryValence = 7;
 /// Faces may turn by at most this between before and after a collapse (cosine of 78 degrees).
 constexpr double kMinimumTurnCosine = 0.2;
 /// Collapses that make a vertex of valence v multiply their cost by this, so that bases have few of them.
@@ -214,12 +210,14 @@ class Collapser {
     const std::uint32_t a = table_.vertex(CornerTable::previous(c));
     const Corner at_b = table_.opposite(CornerTable::previous(c));
     const std::uint32_t b = table_.vertex(at_b);
-    return valences_allow(v, u, a, b) && chain_survives(c) && sectors_allow(c) && leaves_no_chord(c) &&
-           link_condition(v, u) && faces_turn_little(c);
+    return valences_allow(v, u, a, b) && chain_survives(c) && leaves_no_chord(c) && link_condition(v, u) &&
+           faces_turn_little(c);
   }
 
   bool valences_allow(std::uint32_t v, std::uint32_t u, std::uint32_t a, std::uint32_t b) const {
     const int merged = valence_[v] + valence_[u] - 4;
+    if (merged > kMaximumBoundaryValence && merged > valence_[u] && table_.is_boundary_vertex(u))
+      return false;
     if (merged > kMaximumValence + (strict_ ? 0 : kLooseValence) && merged > valence_[u]) return false;
     for (const std::uint32_t w : {a, b}) {
       const bool free = table_.is_ghost_vertex(w) || history_.kinds[w] != VertexKind::kSmooth;
@@ -236,41 +234,6 @@ class Collapser {
     if (history_.kinds[table_.vertex(c)] == VertexKind::kSmooth) return true;
     const Corner other_u = CornerTable::next(table_.opposite(CornerTable::previous(c)));
     return !history_.is_chain_edge(table_, CornerTable::next(c)) && !history_.is_chain_edge(table_, other_u);
-  }
-
-  /// Faces around vertex(c) between the two chain edges that enclose face_of(c); all where there are none.
-  int sector_size(Corner c) const {
-    int count = 1;
-    Corner d = c;
-    while (!history_.is_chain_edge(table_, CornerTable::next(d))) {
-      d = table_.rotate(d);
-      if (d == c) return count;
-      ++count;
-    }
-    for (d = c; !history_.is_chain_edge(table_, CornerTable::previous(d)); ++count) d = table_.rotate_back(d);
-    return count;
-  }
-
-  /// Sectors at chain vertices stay small, or at least do not grow.
-  bool sectors_allow(Corner c) const {
-    const std::uint32_t v = table_.vertex(c), u = table_.vertex(CornerTable::next(c));
-    if (history_.kinds[u] == VertexKind::kSmooth) return true;
-    int limit = table_.is_boundary_vertex(u) ? kMaximumBoundarySector : kMaximumCreaseSector;
-    // A corner cannot pass its place on to v, so v's chain must split off within 180 degrees.
-    if (history_.kinds[u] == VertexKind::kLocked) limit = kMaximumCornerSector;
-    if (history_.kinds[v] == VertexKind::kSmooth) {
-      const int before = sector_size(CornerTable::next(c)), after = before + valence_[v] - 4;
-      return after <= limit || after <= before;
-    }
-    const Corner at_b = table_.opposite(CornerTable::previous(c));
-    const std::array<std::array<Corner, 2>, 2> sides{
-        {{c, CornerTable::next(c)}, {CornerTable::previous(at_b), CornerTable::next(at_b)}}};
-    for (const auto& [at_v, at_u] : sides) {
-      if (table_.is_ghost_face(CornerTable::face_of(at_v))) continue;
-      const int before = sector_size(at_u), after = before + sector_size(at_v) - 2;
-      if (after > limit && after > before) return false;
-    }
-    return true;
   }
 
   /// A smooth vertex that touches two places of a chain would, merged into one of them, leave a chord; both
