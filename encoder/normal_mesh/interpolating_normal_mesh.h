@@ -42,8 +42,8 @@ struct InterpolatingOptions {
   double fine_aperture = 0.8;    // from level 4 on, linear between
   /// kAdaptive: a way that is longer than its chords by this share halves the aperture, by twice as much
   /// divides it by three, and so on, down to least_aperture.
-  double bulge_tolerance = 0.02;
-  double least_aperture = 0.15;
+  double bulge_tolerance = 0.03;
+  double least_aperture = 0.05;
   ParameterPrediction parameter_prediction = ParameterPrediction::kButterfly;
   /// Share of the butterfly's correction; 0 is midpoint prediction of positions.
   double tension = 1;
