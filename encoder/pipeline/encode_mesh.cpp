@@ -142,7 +142,14 @@ class MeshEncoder {
   void prepare() {
     clock_.start("condition");
     report(options_.progress, "conditioning", 0);
-    ConditionedMesh conditioned = condition(input_, options_.condition);
+    // A filled hole may lie a sixth of its loop's length from the input, so the fills are held to the asked error.
+    ConditionOptions conditions = options_.condition;
+    const double box_diagonal = measurable_box(input_).diagonal();
+    if (options_.target.kind != TargetKind::kSize && box_diagonal > 0) {
+      conditions.small_hole_length_fraction =
+          std::min(conditions.small_hole_length_fraction, 3 * options_.target.value / box_diagonal);
+    }
+    ConditionedMesh conditioned = condition(input_, conditions);
     result_.condition = conditioned.report;
     surface_ = std::move(conditioned.mesh);
 
