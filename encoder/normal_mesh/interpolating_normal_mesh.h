@@ -2,7 +2,7 @@
 // Interpolating normal meshes: every new vertex lies where the normal line through its predicted position
 // pierces the input, so that one scalar describes it.
 //
-// Based on: Friedel, "Approximation and Parameterization of Surfaces" (thesis), section 2.3 and Figure 2.5;
+// Based on: Friedel, "Approximation of Surfaces by Normal Meshes" (thesis), section 2.3 and Figure 2.5;
 // Guskov, Vidimce, Sweldens, Schroeder, "Normal Meshes" (2000); Khodakovsky, Litke, Schroeder, "Globally
 // smooth parameterizations" (2003), hinge maps.
 #ifndef NMC_ENCODER_NORMAL_MESH_INTERPOLATING_NORMAL_MESH_H_

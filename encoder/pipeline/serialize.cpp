@@ -175,6 +175,10 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     check(writer.add_levels(0, first, static_cast<int>(pending.size()), pointers.data()));
     pending.clear();
   };
+  const auto nonzero_count = [&](int level) {
+    const std::vector<std::int32_t>& normal = mesh.normal[static_cast<std::size_t>(level)];
+    return normal.size() - static_cast<std::size_t>(std::count(normal.begin(), normal.end(), 0));
+  };
   constexpr std::size_t kSmallestRow = 512;
   if (coded_level_count == 0 || writer.chunks().size() >= kSmallestRow) {
     end_row(coded_level_count == 0 ? level_count : shown_level(0));
@@ -184,17 +188,12 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     const std::size_t before = writer.chunks().size();
     pending.push_back(coefficients_of(mesh, l));
     const bool last = l + 1 == coded_level_count;
-    // Levels grow: a level of few coefficients shares its chunk and row with the next one.
-    const std::size_t nonzero = static_cast<std::size_t>(std::count_if(
-        mesh.normal[static_cast<std::size_t>(l)].begin(), mesh.normal[static_cast<std::size_t>(l)].end(),
-        [](std::int32_t c) { return c != 0; }));
-    bool rest_is_small = true;  // what follows would not fill a row of its own
+    // Levels grow: a level of few coefficients shares its chunk and row with the next one, and so do the last levels
+    // when what follows would not fill a row of its own.
     std::size_t rest = 0;
-    for (int m = l + 1; m < coded_level_count; ++m) {
-      for (const std::int32_t c : mesh.normal[static_cast<std::size_t>(m)]) rest += c != 0;
-    }
-    rest_is_small = rest < kSmallestRow / 2;
-    if (!last && (rest_is_small || nonzero + (before - row_start) < kSmallestRow)) continue;
+    for (int m = l + 1; m < coded_level_count; ++m) rest += nonzero_count(m);
+    const bool is_small = nonzero_count(l) + (before - row_start) < kSmallestRow;
+    if (!last && (is_small || rest < kSmallestRow / 2)) continue;
     flush(l + 1);
     result.level_sizes.push_back(writer.chunks().size() - before);
     end_row(last ? level_count : shown_level(l + 1));
