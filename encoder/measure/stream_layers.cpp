@@ -66,10 +66,10 @@ TriangleMesh current_mesh(StreamReader& reader, std::uint32_t level, const std::
 
 // Feeds the whole stream, calls visit(layer) at every layer that is whole, and returns the last of them.
 template <class Visit>
-nmc_layer decode(StreamReader& reader, const std::string& path, const Visit& visit) {
-  const std::vector<char> bytes = read_bytes(path);
+nmc_layer decode(StreamReader& reader, std::span<const std::byte> bytes, const std::string& path,
+                 const Visit& visit) {
   check(reader.status(), reader, path);
-  check(reader.feed(std::as_bytes(std::span(bytes))), reader, path);
+  check(reader.feed(bytes), reader, path);
   nmc_layer layer{};
   bool any_layer = false;
   while (true) {
@@ -101,17 +101,23 @@ bool is_stream_name(const std::string& path) {
 
 void visit_stream_layers(const std::string& path,
                          const std::function<void(const StreamLayer&, const TriangleMesh&)>& visit) {
+  const std::vector<char> bytes = read_bytes(path);
   StreamReader reader;
-  decode(reader, path, [&](const nmc_layer& layer) {
+  decode(reader, std::as_bytes(std::span(bytes)), path, [&](const nmc_layer& layer) {
     visit({layer.end_offset, layer.level, layer.has_error != 0, layer.rms_error, layer.max_error},
           current_mesh(reader, layer.level, path));
   });
 }
 
 TriangleMesh read_stream(const std::string& path) {
+  const std::vector<char> bytes = read_bytes(path);
+  return read_stream(std::as_bytes(std::span(bytes)), path);
+}
+
+TriangleMesh read_stream(std::span<const std::byte> bytes, const std::string& name) {
   StreamReader reader;
-  const nmc_layer last = decode(reader, path, [](const nmc_layer&) {});
-  return current_mesh(reader, last.level, path);
+  const nmc_layer last = decode(reader, bytes, name, [](const nmc_layer&) {});
+  return current_mesh(reader, last.level, name);
 }
 
 }  // namespace nmc

@@ -3,8 +3,10 @@
 #ifndef NMC_ENCODER_MEASURE_STREAM_LAYERS_H_
 #define NMC_ENCODER_MEASURE_STREAM_LAYERS_H_
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 
 #include "encoder/core/triangle_mesh.h"
@@ -31,6 +33,9 @@ void visit_stream_layers(const std::string& path,
 
 /// The mesh of the last whole layer. Errors as above.
 TriangleMesh read_stream(const std::string& path);
+
+/// The same for a stream in memory; `name` stands in messages.
+TriangleMesh read_stream(std::span<const std::byte> bytes, const std::string& name);
 
 }  // namespace nmc
 

@@ -31,6 +31,7 @@ constexpr double kFarthestFloatPoint = 0x1p20;
 RTCDevice shared_device() {
   static const RTCDevice device = [] {
     RTCDevice created = rtcNewDevice(nullptr);
+    if (created == nullptr && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
     if (created == nullptr) throw Error(ExitCode::kInternal, "Embree could not be started on this processor");
     return created;
   }();

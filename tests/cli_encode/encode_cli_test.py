@@ -144,6 +144,62 @@ class Encoding(unittest.TestCase):
         self.assertEqual(decoded.returncode, 0, decoded.stderr.decode())
         self.assertIn(b"\nf ", decoded.stdout)
 
+    def test_verify_decodes_the_finished_bytes_and_agrees(self):
+        done = run(ENCODE, self.obj(wavy_sheet(12)), "-o", self.folder / "out.nmc", "-e", "1", "--rms-error", "0.1%",
+                   "--verify")
+        self.assertEqual(done.returncode, 0, done.stderr.decode())
+        self.assertIn(b"verified: decoded again", done.stderr)
+
+    def test_dry_run_writes_nothing(self):
+        mesh = self.obj(wavy_sheet(12))
+        before = sorted(self.folder.iterdir())
+        done = run(ENCODE, mesh, "-e", "1", "--rms-error", "0.1%", "--dry-run")
+        self.assertEqual(done.returncode, 0, done.stderr.decode())
+        self.assertIn(b"nothing written", done.stderr)
+        self.assertEqual(sorted(self.folder.iterdir()), before)
+
+    def test_vertex_map_gives_an_address_for_every_vertex(self):
+        shape = wavy_sheet(12)
+        table = self.folder / "map.csv"
+        _, report = self.encode(self.obj(shape), "-e", "1", "--rms-error", "0.1%", "--emit-map", table)
+        lines = table.read_text().splitlines()
+        self.assertEqual(lines[0], "vertex,base_face,u,v,height")
+        self.assertEqual(len(lines), 1 + len(shape[0]))
+        for line in lines[1:]:
+            _, face, u, v, height = line.split(",")
+            self.assertIn(int(face), range(report["base"]["triangles"]))
+            self.assertGreaterEqual(min(float(u), float(v), 1 - float(u) - float(v)), -1e-9, line)
+            self.assertLess(abs(float(height)), 0.05, line)
+
+    def test_batch_goes_on_after_a_broken_file_and_says_so(self):
+        meshes = self.folder / "in"
+        meshes.mkdir()
+        for name in ("a.obj", "c.obj"):
+            write_obj(meshes / name, *wavy_sheet(8))
+        (meshes / "b.ply").write_bytes(b"ply\nnonsense\n")
+        (meshes / "notes.txt").write_text("not a mesh")
+        done = run(ENCODE, "--batch", meshes, "--output-dir", self.folder / "out", "-e", "1", "--rms-error", "0.1%")
+        self.assertEqual(done.returncode, 3, done.stderr.decode())
+        self.assertEqual(sorted(p.name for p in (self.folder / "out").iterdir()), ["a.nmc", "c.nmc"])
+        self.assertIn(b"2 of 3 files encoded as asked", done.stderr)
+
+    def test_one_output_for_many_inputs_is_a_usage_error(self):
+        a, b = self.obj(wavy_sheet(4), "a.obj"), self.obj(wavy_sheet(4), "b.obj")
+        self.assertEqual(run(ENCODE, a, b, "-o", self.folder / "x.nmc").returncode, 1)
+        other = self.folder / "sub"
+        other.mkdir()
+        write_obj(other / "a.obj", *wavy_sheet(4))
+        done = run(ENCODE, a, other / "a.obj", "--output-dir", self.folder / "out")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(b"would both become", done.stderr)
+
+    def test_limits_of_memory_and_time_end_with_their_exit_code(self):
+        mesh = self.obj(bumpy_torus())
+        for limit in (("--memory-limit", "150MB"), ("--timeout", "0.01")):
+            done = run(ENCODE, mesh, "-o", self.folder / "out.nmc", *limit)
+            self.assertEqual(done.returncode, 6, (limit, done.stderr.decode()))
+            self.assertFalse((self.folder / "out.nmc").exists())
+
     def test_tiny_and_flat_surfaces_are_encoded(self):
         shapes = {
             "triangle": ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)]),

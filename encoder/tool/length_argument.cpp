@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "encoder/length_argument.h"
+#include "encoder/tool/length_argument.h"
 
 #include <fast_float/fast_float.h>
 
@@ -57,7 +57,8 @@ double length_in_input_units(const LengthArgument& length, Units input_units, do
   if (length.is_percent) return length.number / 100 * diagonal;
   if (length.units == Units::kUnknown) return length.number;
   if (input_units == Units::kUnknown) {
-    throw Error(ExitCode::kUsage, "a length with units needs --units, which says what the input's numbers mean");
+    throw Error(ExitCode::kUsage,
+                "a length with units needs --units, which says what the input's numbers mean");
   }
   return length.number * metres_per_unit(length.units) / metres_per_unit(input_units);
 }
