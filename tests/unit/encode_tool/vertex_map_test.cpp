@@ -18,14 +18,14 @@ TriangleMesh flat_square(int level) {
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   LevelTopology topology;
-  REQUIRE(build_base_topology(faces.data(), 2, 4, nullptr, topology) == Status::kOk);
+  REQUIRE(build_base_topology(faces.data(), 2, 4, nullptr, topology).ok());
   for (int l = 0; l < level; ++l) {
     for (std::uint32_t e = 0; e < topology.edge_count; ++e) {
       mesh.positions.push_back(0.5 * (mesh.positions[topology.edge_vertices[2 * e]] +
                                       mesh.positions[topology.edge_vertices[2 * e + 1]]));
     }
     LevelTopology fine;
-    REQUIRE(subdivide(topology, false, fine) == Status::kOk);
+    REQUIRE(subdivide(topology, false, fine).ok());
     topology = std::move(fine);
   }
   for (std::uint32_t f = 0; f < topology.face_count; ++f) {
