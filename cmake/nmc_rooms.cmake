@@ -10,6 +10,11 @@ target_compile_options(nmc_warnings INTERFACE -Wall -Wextra -Wshadow -Wconversio
 add_library(nmc_exact_floating_point INTERFACE)
 target_compile_options(nmc_exact_floating_point INTERFACE -ffp-contract=off -fno-fast-math)
 
+# g++ 12 drops the rounding of double(float(x)) where it vectorizes neighbouring members (-O2 and above): the
+# codec's own rooms are compiled without that pass. tests/determinism has the program that shows it.
+add_library(nmc_exact_rounding INTERFACE)
+target_compile_options(nmc_exact_rounding INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
+
 # nmc_add_room(NAME [SOURCES files...] [USES rooms...] [PACKAGES targets...])
 # NAME becomes the library nmc_NAME with an alias nmc::NAME. Without SOURCES every *.cpp of the folder is taken,
 # except those that end in _main.cpp.

@@ -88,12 +88,11 @@ std::uint64_t StreamDecoder::level_vertex_count(int level) const {
   return v;
 }
 
-Status StreamDecoder::check_level_size(int level) const {
+Status StreamDecoder::check_level_size(int level, std::uint64_t bytes) const {
   const std::uint64_t vertex_count = level_vertex_count(level);
   if (vertex_count > limits_.maximum_vertices || vertex_count > kMaximumVertexCount) {
     return {StatusCode::kLimit, "8", "the level has more vertices than the limits allow"};
   }
-  const std::uint64_t bytes = buffer_offset_ + buffer_.size();
   if (level > 0 && vertex_count > kFreeVertices + kVerticesPerByte * bytes) {
     return {StatusCode::kLimit, "8.2", "the level has more vertices than so few bytes may describe"};
   }
@@ -182,7 +181,8 @@ Status StreamDecoder::decode_layer() {
     NMC_TRY(read_chunk_frame(data, buffer_.size() - consumed_, frame));
     const auto payload_size = static_cast<std::size_t>(frame.payload_size);
     const Status decoded =
-        decode_chunk(static_cast<ChunkType>(frame.type), data + frame.head_size, payload_size);
+        decode_chunk(static_cast<ChunkType>(frame.type), data + frame.head_size, payload_size,
+                     offset + frame.head_size + payload_size + kChecksumSize);
     if (!decoded.ok()) {
       mesh_is_lost_ = !mesh_.roll_back_layer();
       return fail(decoded, offset, frame.type);
@@ -204,7 +204,12 @@ Status StreamDecoder::finish() {
   return fail({StatusCode::kTruncated, "3.2", "the stream ends early"}, buffer_offset_ + buffer_.size());
 }
 
-Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, std::size_t size) {
+Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, std::size_t size,
+                                   std::uint64_t end_offset) {
+  // A payload that ends too early is said to, whatever the zeros read in its place meant (spec 5.1).
+  const auto outcome = [](const RangeDecoder& coder, const Status& status) {
+    return coder.overrun() || status.ok() ? coder.check() : status;
+  };
   switch (type) {
     case ChunkType::kBaseMesh: {
       // An impossible count is refused before anything is allocated.
@@ -212,14 +217,12 @@ Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, 
         return {StatusCode::kLimit, "8.2", "the base mesh has more faces than so few bytes may describe"};
       }
       RangeDecoder coder(payload, size, limits_.stop);
-      NMC_TRY(mesh_.code_base(coder, nullptr, nullptr, nullptr, nullptr, nullptr));
-      return coder.check();
+      return outcome(coder, mesh_.code_base(coder, nullptr, nullptr, nullptr, nullptr, nullptr));
     }
     case ChunkType::kBaseCorrection: {
-      NMC_CHECK_STREAM(size >= 1, "4.6", "the chunk is too short");
+      NMC_CHECK_STREAM(size >= 1, "4.7", "the chunk is too short");
       RangeDecoder coder(payload + 1, size - 1, limits_.stop);
-      NMC_TRY(mesh_.code_base_correction(coder, payload[0], nullptr));
-      return coder.check();
+      return outcome(coder, mesh_.code_base_correction(coder, payload[0], nullptr));
     }
     case ChunkType::kGeometry: {
       NMC_CHECK_STREAM(size >= 3, "5.3", "the chunk is too short");
@@ -229,9 +232,8 @@ Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, 
       NMC_CHECK_STREAM(mesh_.has_base(), "4.3", "coefficients come before the base mesh");
       RangeDecoder coder(payload + 3, size - 3, limits_.stop);
       for (int level = first_level; level < first_level + level_count; ++level) {
-        NMC_TRY(check_level_size(level + 1));
-        NMC_TRY(mesh_.code_level(coder, layer, level, nullptr));
-        NMC_TRY(coder.check());
+        NMC_TRY(check_level_size(level + 1, end_offset));
+        NMC_TRY(outcome(coder, mesh_.code_level(coder, layer, level, nullptr)));
       }
       return ok_status();
     }
@@ -247,7 +249,7 @@ Status StreamDecoder::check_readable(int level) const {
   if (level < 0 || level > header_.level_count) {
     return {StatusCode::kArgument, nullptr, "the stream has no such level"};
   }
-  return check_level_size(level);
+  return check_level_size(level, layer_end_offset_);
 }
 
 Status StreamDecoder::level_size(int level, std::uint32_t& vertex_count, std::uint32_t& face_count) const {

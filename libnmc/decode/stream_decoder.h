@@ -78,12 +78,14 @@ class StreamDecoder {
  private:
   Status fail(Status status, std::uint64_t offset, std::uint8_t chunk_type = 0);
   Status check_limits() const;
-  Status check_level_size(int level) const;
+  /// Whether a stream of `bytes` bytes may hold that level (spec 8.2).
+  Status check_level_size(int level, std::uint64_t bytes) const;
   Status check_readable(int level) const;
   Status begin_stream(DecoderEvent& event);
   Status check_arrived_chunks(bool& layer_is_complete);
   Status decode_layer();
-  Status decode_chunk(ChunkType type, const std::uint8_t* payload, std::size_t size);
+  Status decode_chunk(ChunkType type, const std::uint8_t* payload, std::size_t size,
+                      std::uint64_t end_offset);
   std::uint64_t level_vertex_count(int level) const;
 
   Memory* memory_;
