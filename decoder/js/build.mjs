@@ -6,7 +6,7 @@ import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { brotliCompressSync, deflateSync } from 'node:zlib';
+import { brotliCompressSync } from 'node:zlib';
 
 const here = dirname(fileURLToPath(import.meta.url));
 let directory = process.argv[2];
@@ -16,8 +16,9 @@ if (!directory) {
 }
 const wasm = readFileSync(join(directory, 'nmc_decoder.wasm'));
 const source = readFileSync(join(here, 'nmc-decoder.src.mjs'), 'utf8');
-// Compressed inside: what base64 spreads out, no server can compress any more.
-const bundle = source.replace('@MODULE_BASE64@', deflateSync(wasm, { level: 9 }).toString('base64'));
+// Hexadecimal digits: a server's brotli still sees the bytes, and makes 6 % more of them than of the file itself. In
+// base64, plain or deflated, it does not, and the package would be 5 kB larger on the wire.
+const bundle = source.replace('@MODULE_HEX@', wasm.toString('hex'));
 // Comments stay in the source; the types beside the module carry what a user reads.
 const [licence, ...lines] = bundle.split('\n');
 const shipped = [licence, ...lines.filter((line) => !/^\s*(\/\/|\/\*\*|\*)/.test(line))].join('\n');

@@ -3,7 +3,9 @@
 export type NmcStatus =
   | 'NMC_ERR_NOT_NMC' | 'NMC_ERR_VERSION' | 'NMC_ERR_FEATURE' | 'NMC_ERR_CORRUPT' | 'NMC_ERR_CHECKSUM'
   | 'NMC_ERR_TRUNCATED' | 'NMC_ERR_LIMIT' | 'NMC_ERR_NO_MEMORY' | 'NMC_ERR_STOPPED' | 'NMC_ERR_ARGUMENT'
-  | 'NMC_ERR_STATE' | `HTTP_${number}`;
+  | 'NMC_ERR_STATE'
+  /** Of the transport: an answer that is none, a connection that cannot be taken up again, a file that was replaced. */
+  | `HTTP_${number}` | 'NETWORK' | 'SOURCE_CHANGED';
 
 export class NmcError extends Error {
   readonly code: NmcStatus;
@@ -47,6 +49,14 @@ export interface NmcDecodeOptions extends NmcOptions {
 
 export interface NmcStreamOptions extends NmcOptions {
   fetch?: typeof fetch;
+  /** Headers, credentials, priority and so on of every request. */
+  requestInit?: RequestInit;
+  /** How often in a row a broken connection is taken up again with Range; default 6. */
+  retries?: number;
+  /** Milliseconds before the first of them, doubled each time; default 400. */
+  retryDelay?: number;
+  /** Told before each of them. */
+  onRetry?: (receivedBytes: number, problem: Error | null) => void;
 }
 
 export interface NmcHeader {
@@ -110,6 +120,8 @@ export class NmcDecoder {
   readPositions(level?: number): Float32Array;
   readPositionsDouble(level?: number): Float64Array;
   readNormals(level?: number): Float32Array;
+  /** How each vertex was set off its prediction: length along the normal, and 1 where it also moved sideways. */
+  readOffsets(level?: number): { normal: Float32Array; isOffNormal: Uint8Array };
   stateHash(): string;
   positionHash(level?: number): string;
   dispose(): void;
@@ -126,6 +138,8 @@ export class NmcStream extends EventTarget implements AsyncIterable<NmcLayer & {
   readonly layers: readonly NmcLayer[];
   readonly layer: NmcLayer;
   readonly isDone: boolean;
+  readonly receivedBytes: number;
+  readonly decoder: NmcDecoder;
   mesh(options?: NmcMeshOptions): NmcMesh;
   stateHash(): string;
   positionHash(): string;

@@ -7,7 +7,7 @@
 //     const { positions, indices } = layer.mesh();
 //   }
 
-const MODULE_BASE64 = '@MODULE_BASE64@';
+const MODULE_HEX = '@MODULE_HEX@';
 
 const STATUS = {
   '-10': 'NMC_ERR_NOT_NMC', '-12': 'NMC_ERR_VERSION', '-14': 'NMC_ERR_FEATURE', '-20': 'NMC_ERR_CORRUPT',
@@ -38,18 +38,8 @@ let compiled = null;
 /** The compiled module, compiled at the first call. */
 export function ready() {
   if (!supported) return Promise.reject(new NmcError('NMC_ERR_FEATURE', 'this environment has no WebAssembly'));
-  compiled ??= inflated(bytesOfBase64(MODULE_BASE64)).then((bytes) => WebAssembly.compile(bytes));
+  compiled ??= WebAssembly.compile(Uint8Array.from(MODULE_HEX.match(/../g), (digits) => parseInt(digits, 16)));
   return compiled;
-}
-
-const inflated = (bytes) =>
-  new Response(new Response(bytes).body.pipeThrough(new DecompressionStream('deflate'))).arrayBuffer();
-
-function bytesOfBase64(text) {
-  const binary = atob(text);
-  const bytes = new Uint8Array(binary.length);
-  for (let i = 0; i < binary.length; ++i) bytes[i] = binary.charCodeAt(i);
-  return bytes;
 }
 
 /**
@@ -162,6 +152,17 @@ export class NmcDecoder {
     const { vertexCount } = this.meshSize(level);
     return this.#read(Float32Array, 3 * vertexCount,
       (at) => this.#wasm.readNormals(this.#decoder, level, at, vertexCount));
+  }
+  /** { normal, isOffNormal }: length of each vertex's offset along its normal, and 1 where it also moves sideways. */
+  readOffsets(level = this.layer?.level ?? 0) {
+    const { vertexCount } = this.meshSize(level);
+    const wasm = this.#wasm;
+    return {
+      normal: this.#read(Float32Array, vertexCount,
+        (at) => wasm.readOffsets(this.#decoder, level, at, 0, vertexCount)),
+      isOffNormal: this.#read(Uint8Array, vertexCount,
+        (at) => wasm.readOffsets(this.#decoder, level, 0, at, vertexCount)),
+    };
   }
   /** Hash of the integers of the current layer as 16 hexadecimal digits: equal in every conformant decoder. */
   stateHash() { return this.#hash((at) => this.#wasm.stateHash(this.#decoder, at)); }
@@ -282,40 +283,101 @@ export async function decode(bytes, options = {}) {
   }
 }
 
-async function* piecesOf(source, options) {
-  if (typeof source === 'string' || source instanceof URL) {
-    source = await (options.fetch ?? fetch)(source, { signal: options.signal });
-  }
-  if (typeof Response === 'function' && source instanceof Response) {
-    if (!source.ok) throw new NmcError('HTTP_' + source.status, `${source.url || 'the stream'}: HTTP ${source.status}`);
-    source = source.body;
-  }
-  if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) {
-    yield asBytes(source);
-  } else if (typeof source?.getReader === 'function') {
-    const reader = source.getReader();
-    try {
-      for (let part; !(part = await reader.read()).done;) yield asBytes(part.value);
-    } finally {
-      reader.cancel().catch(() => {});  // ends the request when a stop rule is met
-    }
-  } else if (source?.[Symbol.asyncIterator] || source?.[Symbol.iterator]) {
-    for await (const part of source) yield asBytes(part);
-  } else {
-    throw new NmcError('NMC_ERR_ARGUMENT', 'a stream is a URL, Response, ReadableStream, buffer or iterable of buffers');
+/** Hands on what a ReadableStream gives, until it ends or `signal` fires. */
+async function* piecesOfBody(body, signal) {
+  const reader = body.getReader();
+  const cancel = () => reader.cancel(signal.reason).catch(() => {});
+  signal.addEventListener('abort', cancel);
+  try {
+    for (let part; !(part = await reader.read()).done;) yield asBytes(part.value);
+    signal.throwIfAborted();
+  } finally {
+    signal.removeEventListener('abort', cancel);
+    reader.cancel().catch(() => {});  // ends the request when a stop rule is met
   }
 }
 
+const bodyOf = (response) => {
+  if (!response.ok) {
+    throw new NmcError('HTTP_' + response.status, `${response.url || 'the stream'}: HTTP ${response.status}`);
+  }
+  return response.body;
+};
+
 /**
- * A stream that refines as bytes arrive. Iterate over it for its layers, or listen to its events 'layer', 'complete'
- * and 'error'. Work happens only while it is iterated or run() is awaited; leaving the loop ends the request.
+ * Pieces of a URL. When the connection breaks the rest is asked for with Range, up to `retries` times in a row with a
+ * growing delay; a server without Range sends all again, and what is known is skipped. `wanted()` is the size of the
+ * whole once it is known: a body that ends before it counts as broken.
+ */
+async function* piecesOfUrl(url, options, signal, wanted) {
+  const { retries = 6, retryDelay = 400, requestInit = {} } = options;
+  let received = 0;
+  let tag = null;
+  for (let failures = 0; ; ++failures) {
+    let problem = null;
+    try {
+      const headers = new Headers(requestInit.headers);
+      if (received > 0) {
+        headers.set('Range', `bytes=${received}-`);
+        if (tag && !tag.startsWith('W/')) headers.set('If-Range', tag);
+      }
+      const response = await (options.fetch ?? fetch)(url, { ...requestInit, headers, signal });
+      if (received > 0 && response.status === 416) return;
+      if (received > 0 && response.status >= 500) throw new Error(`HTTP ${response.status}`);
+      const body = bodyOf(response);
+      const newTag = response.headers.get('etag');
+      if (received > 0 && newTag !== tag) {
+        throw new NmcError('SOURCE_CHANGED', 'the file was replaced on the server while it was being read');
+      }
+      tag = newTag;
+      let position = response.status === 206 ? received : 0;
+      for await (const piece of piecesOfBody(body, signal)) {
+        const fresh = piece.subarray(Math.min(piece.length, received - position));
+        position += piece.length;
+        received += fresh.length;
+        failures = 0;
+        if (fresh.length > 0) yield fresh;
+      }
+      if (received === 0 || received >= (wanted() ?? 0)) return;
+    } catch (error) {
+      if (error instanceof NmcError || signal.aborted) throw error;
+      problem = error;
+    }
+    if (received === 0 || failures >= retries) {
+      if (!problem) return;
+      throw new NmcError('NETWORK', `${url}: ${problem.message}`, { byteOffset: received });
+    }
+    options.onRetry?.(received, problem);
+    await new Promise((resolve) => { setTimeout(resolve, retryDelay * 2 ** failures); });
+    signal.throwIfAborted();
+  }
+}
+
+function piecesOf(source, options, signal, wanted) {
+  if (typeof source === 'string' || source instanceof URL) return piecesOfUrl(source, options, signal, wanted);
+  if (typeof Response === 'function' && source instanceof Response) source = bodyOf(source);
+  if (typeof source?.getReader === 'function') return piecesOfBody(source, signal);
+  if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) source = [source];
+  if (!source?.[Symbol.asyncIterator] && !source?.[Symbol.iterator]) {
+    throw new NmcError('NMC_ERR_ARGUMENT', 'a stream is a URL, Response, ReadableStream, buffer or iterable of buffers');
+  }
+  return (async function* () {
+    for await (const part of source) yield asBytes(part);
+  })();
+}
+
+/**
+ * A stream that refines as bytes arrive. Iterate over it for its layers, or listen to its events 'progress', 'layer',
+ * 'complete' and 'error'. Work happens only while it is iterated or run() is awaited; leaving the loop ends the request.
  */
 export class NmcStream extends EventTarget {
-  /** Resolves when the first mesh is there. Options: those of decode(), and fetch. */
+  /** Resolves when the first mesh is there. Options: those of decode(), fetch, requestInit, retries, retryDelay. */
   static async open(source, options = {}) {
     const stream = new NmcStream(await NmcDecoder.create(options), options);
-    stream.#pieces = piecesOf(source, options);
     try {
+      options.signal?.addEventListener('abort', () => stream.#abort.abort(options.signal.reason), { once: true });
+      if (options.signal?.aborted) stream.#abort.abort(options.signal.reason);
+      stream.#pieces = piecesOf(source, options, stream.#abort.signal, () => stream.header?.streamBytes);
       stream.#hasFirst = await stream.#advance();
     } catch (error) {
       stream.dispose();
@@ -327,6 +389,8 @@ export class NmcStream extends EventTarget {
   #decoder;
   #options;
   #pieces;
+  #abort = new AbortController();
+  #received = 0;
   #hasFirst = false;
   #row = Infinity;
   #isDone = false;
@@ -345,17 +409,22 @@ export class NmcStream extends EventTarget {
   /** The layer that mesh() reads. */
   get layer() { return this.#decoder.layer; }
   get isDone() { return this.#isDone; }
+  /** Bytes that have arrived so far. */
+  get receivedBytes() { return this.#received; }
+  /** The decoder behind the stream, for everything else that can be read of a mesh. */
+  get decoder() { return this.#decoder; }
 
   /** Indices, positions and, if asked for, normals of the current layer, in fresh arrays. */
   mesh(options = {}) { return meshOf(this.#decoder, { ...this.#options, ...options }); }
   stateHash() { return this.#decoder.stateHash(); }
   positionHash() { return this.#decoder.positionHash(); }
 
-  /** Holds the stream before its next piece; the network waits too. */
+  /** Holds the stream before its next layer; the network waits too, and resumes with Range if it gave up. */
   pause() { this.#isPaused = true; }
   resume() {
     this.#isPaused = false;
     this.#resume?.();
+    this.#resume = null;
   }
 
   /** Yields each layer; the first one is there already. Throws NmcError; what was read before stands. */
@@ -381,7 +450,9 @@ export class NmcStream extends EventTarget {
   }
   /** Ends the request and gives all memory back. */
   dispose() {
-    this.#close();
+    this.#abort.abort(new NmcError('NMC_ERR_STATE', 'the stream was disposed of'));
+    this.#isDone = true;
+    this.resume();
     this.#decoder.dispose();
   }
 
@@ -393,8 +464,8 @@ export class NmcStream extends EventTarget {
   /** True with the next layer in place, false at the end. */
   async #advance() {
     while (!this.#isDone) {
-      this.#options.signal?.throwIfAborted();
       if (this.#isPaused) await new Promise((resolve) => { this.#resume = resolve; });
+      this.#abort.signal.throwIfAborted();
       const event = this.#decoder.next();
       if (event === 'header') this.#row = lastRow(this.#decoder, this.#options);
       if (event === 'layer') {
@@ -407,7 +478,10 @@ export class NmcStream extends EventTarget {
       if (piece.done) {
         this.#decoder.finish();
       } else {
+        this.#abort.signal.throwIfAborted();
+        this.#received += piece.value.length;
         this.#decoder.feed(piece.value);
+        this.dispatchEvent(new Event('progress'));
       }
     }
     return false;

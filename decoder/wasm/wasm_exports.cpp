@@ -122,6 +122,10 @@ NMC_EXPORT(readNormals) int nmc_wasm_read_normals(nmc_decoder* decoder, std::uin
                                                   std::uint32_t vertex_count) {
   return nmc_decoder_read_normals(decoder, level, normals, 3 * sizeof(float), vertex_count);
 }
+NMC_EXPORT(readOffsets) int nmc_wasm_read_offsets(nmc_decoder* decoder, std::uint32_t level, float* normal_offsets,
+                                                  std::uint8_t* is_off_normal, std::uint32_t vertex_count) {
+  return nmc_decoder_read_offsets(decoder, level, normal_offsets, is_off_normal, vertex_count);
+}
 NMC_EXPORT(stateHash) int nmc_wasm_state_hash(const nmc_decoder* decoder, std::uint32_t* words) {
   std::uint64_t hash = 0;
   const nmc_status status = nmc_decoder_state_hash(decoder, &hash);

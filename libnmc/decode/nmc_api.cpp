@@ -395,6 +395,35 @@ nmc_status nmc_decoder_read_normals(nmc_decoder* decoder, uint32_t level, float*
   return NMC_OK;
 }
 
+nmc_status nmc_decoder_read_offsets(nmc_decoder* decoder, uint32_t level, float* normal_offsets,
+                                    uint8_t* is_off_normal, uint32_t vertex_count) {
+  if (!decoder) return NMC_ERR_ARGUMENT;
+  uint32_t expected = 0, unused = 0;
+  const nmc_status sized = nmc_decoder_mesh_size(decoder, level, &expected, &unused);
+  if (sized != NMC_OK) return sized;
+  if (vertex_count != expected) {
+    return argument_error(decoder, "the vertex count is not that of the level");
+  }
+  if (normal_offsets) std::memset(normal_offsets, 0, sizeof(float) * vertex_count);
+  if (is_off_normal) std::memset(is_off_normal, 0, vertex_count);
+  const nmc::CodedMesh& mesh = decoder->stream.mesh();
+  for (uint32_t l = 0; l < level; ++l) {
+    if (mesh.layer_of_level(static_cast<int>(l)) < 0) break;
+    const nmc::LevelCoefficients& coefficients = mesh.coefficients(static_cast<int>(l));
+    const double step = mesh.current_quantizer(static_cast<int>(l)).normal_step;
+    // The odd vertex of edge e of a level is vertex V + e of the next one, so both arrays are filled in order.
+    const std::size_t first = mesh.topology(static_cast<int>(l)).vertex_count;
+    const std::size_t room = vertex_count > first ? vertex_count - first : 0;
+    for (std::size_t e = 0; normal_offsets && e < coefficients.normal.size() && e < room; ++e) {
+      normal_offsets[first + e] = to_float(step * coefficients.normal[e]);
+    }
+    for (std::size_t i = 0; is_off_normal && i < coefficients.tangential.size(); ++i) {
+      if (coefficients.tangential[i].edge < room) is_off_normal[first + coefficients.tangential[i].edge] = 1;
+    }
+  }
+  return NMC_OK;
+}
+
 nmc_status nmc_decoder_state_hash(const nmc_decoder* decoder, uint64_t* hash) {
   if (!decoder) return NMC_ERR_ARGUMENT;
   if (!hash) return argument_error(decoder, kNull);

@@ -5,6 +5,7 @@ import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
+import { brotliCompressSync } from 'node:zlib';
 
 import { decode, NmcDecoder, NmcError, NmcStream } from '../nmc-decoder.mjs';
 
@@ -137,4 +138,87 @@ test('package: no eval, no blobs, no files beside it', () => {
   assert.doesNotMatch(text, /\beval\(|new Function|createObjectURL|import\.meta/);
   assert.ok(existsSync(join(here, '../nmc-decoder.d.ts')));
   assert.ok(readdirSync(join(here, '..')).includes('package.json'));
+});
+
+/** A server of one file, as a function for `fetch`, that breaks the connection after `cut` bytes of each answer. */
+function brokenServer(bytes, { cut, ranges = true, tag = () => '"1"' }) {
+  const requests = [];
+  const fetch = async (url, { headers }) => {
+    const range = /bytes=(\d+)-/.exec(headers.get('range') ?? '')?.[1];
+    requests.push(range === undefined ? 0 : Number(range));
+    const from = ranges && range !== undefined ? Number(range) : 0;
+    if (from >= bytes.length) return new Response('', { status: 416 });
+    let position = from;
+    const body = new ReadableStream({
+      pull(controller) {
+        if (position >= bytes.length) return controller.close();
+        const end = Math.min(bytes.length, position + 40);
+        if (end - from > cut * requests.length) return controller.error(new TypeError('connection reset'));
+        controller.enqueue(bytes.slice(position, end));
+        position = end;
+      },
+    });
+    return new Response(body, { status: from > 0 ? 206 : 200, headers: { etag: tag(requests.length) } });
+  };
+  return { fetch, requests };
+}
+
+test('stream: a broken connection is taken up again where it broke', async () => {
+  const bytes = bytesOf('tensions');
+  const whole = await decode(bytes, { hashes: true });
+  for (const ranges of [true, false]) {
+    const { fetch, requests } = brokenServer(bytes, { cut: 200, ranges });
+    const retried = [];
+    const stream = await NmcStream.open('http://localhost/x.nmc',
+      { fetch, retryDelay: 1, onRetry: (received) => retried.push(received) });
+    await stream.run();
+    assert.equal(stream.positionHash(), whole.positionHash);
+    assert.equal(stream.receivedBytes, bytes.length);
+    assert.ok(requests.length > 1, `${requests}`);
+    assert.deepEqual(requests.slice(1), retried);
+    stream.dispose();
+  }
+});
+
+test('stream: a file that was replaced, a server that stays away, a file that is too short', async () => {
+  const bytes = bytesOf('tensions');
+  const read = async (source) => (await NmcStream.open('http://localhost/x.nmc', { ...source, retryDelay: 1 })).run();
+  const replaced = brokenServer(bytes, { cut: 200, tag: (request) => `"${request}"` });
+  await assert.rejects(read(replaced), { code: 'SOURCE_CHANGED' });
+  const away = brokenServer(bytes, { cut: 0 });
+  await assert.rejects(read({ ...away, retries: 2 }), { code: 'NETWORK' });
+  const short = brokenServer(bytes.subarray(0, -1), { cut: 1e9 });
+  await assert.rejects(read(short), { code: 'NMC_ERR_TRUNCATED', byteOffset: bytes.length - 1 });
+  assert.deepEqual(short.requests, [0, bytes.length - 1]);
+});
+
+test('stream: dispose ends a request that is waiting', async () => {
+  const bytes = bytesOf('tensions');
+  let cancelled = false;
+  const body = new ReadableStream({
+    start(controller) { controller.enqueue(bytes.slice(0, -10)); },
+    cancel() { cancelled = true; },
+  });
+  const stream = await NmcStream.open(body);
+  const running = stream.run();
+  setTimeout(() => stream.dispose(), 20);
+  await assert.rejects(running, { code: 'NMC_ERR_STATE' });
+  assert.ok(cancelled);
+});
+
+test('offsets: none in the base mesh, as many as vertices, and they follow the level', async () => {
+  const decoder = await NmcDecoder.create();
+  decoder.feed(bytesOf('tangential-dense'));
+  while (decoder.next() !== 'end');
+  const base = decoder.meshSize(0).vertexCount;
+  const { normal, isOffNormal } = decoder.readOffsets();
+  assert.equal(normal.length, decoder.meshSize().vertexCount);
+  assert.ok(normal.subarray(0, base).every((length) => length === 0));
+  assert.ok(normal.some((length) => length !== 0) && isOffNormal.some((flag) => flag === 1));
+  decoder.dispose();
+});
+
+test('package: at most 40 kB with brotli', () => {
+  const size = brotliCompressSync(readFileSync(join(here, '../nmc-decoder.mjs'))).length;
+  assert.ok(size <= 40000, `${size} bytes`);
 });

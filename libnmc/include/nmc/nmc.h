@@ -272,6 +272,12 @@ NMC_API nmc_status nmc_decoder_read_positions_double(nmc_decoder* decoder, uint3
 NMC_API nmc_status nmc_decoder_read_normals(nmc_decoder* decoder, uint32_t level, float* normals, size_t stride,
                                             uint32_t vertex_count);
 
+/* How each vertex of `level` was set off its prediction, for pictures and statistics: the signed length along the
+ * predicted normal in model units, 0 for base vertices and for what the stream has not described yet, and 1 in
+ * `is_off_normal` where the stream also moves the vertex sideways. Either array may be null. O(vertex_count). */
+NMC_API nmc_status nmc_decoder_read_offsets(nmc_decoder* decoder, uint32_t level, float* normal_offsets,
+                                            uint8_t* is_off_normal, uint32_t vertex_count);
+
 /* Hash of all integers of the current layer (spec 9.1): equal in every conformant decoder. */
 NMC_API nmc_status nmc_decoder_state_hash(const nmc_decoder* decoder, uint64_t* hash);
 
