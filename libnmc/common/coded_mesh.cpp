@@ -16,6 +16,7 @@ CodedMesh::CodedMesh(Memory* memory, const Header* header)
       positions_(memory) {
   for (LevelTopology& topology : topology_) topology = LevelTopology(memory);
   for (LevelCoefficients& coefficients : coefficients_) coefficients = LevelCoefficients(memory);
+  for (CodedAttribute& attribute : attributes_) attribute = CodedAttribute(memory);
   for (int& layer : layer_of_level_) layer = -1;
   begin_layer();
 }
@@ -24,10 +25,12 @@ void CodedMesh::begin_layer() {
   marked_base_layer_ = base_layer_;
   for (int level = 0; level < kMaximumLevelCount; ++level)
     marked_layer_of_level_[level] = layer_of_level_[level];
+  for (CodedAttribute& attribute : attributes_) attribute.begin_layer();
 }
 
 bool CodedMesh::roll_back_layer() {
   bool intact = base_layer_ == marked_base_layer_ && !correcting_;
+  for (CodedAttribute& attribute : attributes_) attribute.roll_back_layer();
   for (int level = 0; level < kMaximumLevelCount; ++level) {
     if (layer_of_level_[level] == marked_layer_of_level_[level]) continue;
     if (marked_layer_of_level_[level] >= 0) intact = false;
@@ -142,6 +145,16 @@ Status CodedMesh::update_positions(int level, StopRequest stop) {
                                positions_.data());
     }
     clean_level_ = l + 1;
+  }
+  return ok_status();
+}
+
+Status CodedMesh::update_attribute(int index, int level, StopRequest stop) {
+  CodedAttribute& attribute = attributes_[index];
+  if (attribute.finest_known_level() < 0) return {StatusCode::kState, nullptr, "the attribute is not there yet"};
+  for (int l = attribute.finest_known_level() + 1; l <= level; ++l) {
+    NMC_TRY(ensure_topology(l - 1, false));
+    NMC_TRY(attribute.predict_level(header_->attributes[index], l, topology_[l - 1], stop));
   }
   return ok_status();
 }

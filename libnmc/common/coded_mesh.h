@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "libnmc/common/base_mesh_coder.h"
+#include "libnmc/common/coded_attribute.h"
 #include "libnmc/common/coefficient_coder.h"
 #include "libnmc/common/format.h"
 #include "libnmc/common/memory.h"
@@ -38,6 +39,11 @@ class CodedMesh {
   template <class Coder>
   Status code_level(Coder& coder, int layer, int level, const LevelCoefficients* target);
 
+  /// The values that `level` of attribute `index` adds, which must be its next one: see CodedAttribute, also for
+  /// `choose`. Needs the base mesh, but no level of the geometry.
+  template <class Coder, class Choose>
+  Status code_attribute(Coder& coder, int index, int level, const Choose& choose);
+
   /// Marks the present state as one to go back to.
   void begin_layer();
   /// Takes back what was coded since begin_layer(). False when older values were corrected in place, so that
@@ -62,6 +68,9 @@ class CodedMesh {
   /// Brings positions up to date for all vertices of `level`. Work is proportional to what has changed since
   /// the last call.
   Status update_positions(int level, StopRequest stop = {});
+  /// Brings the values of attribute `index` up to date for all vertices of `level`; kState before any is coded.
+  Status update_attribute(int index, int level, StopRequest stop = {});
+  const CodedAttribute& attribute(int index) const { return attributes_[index]; }
   const Vec3* positions() const { return positions_.data(); }
   /// Steps of the odd vertices of `level` in the quality layer they have reached.
   LevelQuantizer current_quantizer(int level) const;
@@ -86,6 +95,7 @@ class CodedMesh {
   LevelTopology topology_[kMaximumLevelCount + 1];
   RingWeights ring_weights_;
   LevelCoefficients coefficients_[kMaximumLevelCount];
+  CodedAttribute attributes_[kMaximumAttributeCount];
   Array<std::int32_t> vertex_values_;  // normal coefficient with which each vertex was inserted
   Array<Vec3> positions_;
   int topology_count_ = 0;  // levels with connectivity
@@ -175,6 +185,18 @@ Status CodedMesh::code_level(Coder& coder, int layer, int level, const LevelCoef
                                         topology_[level], vertex_values_.data(),
                                         has_previous ? &previous : nullptr, current));
   return end_level(layer, level);
+}
+
+template <class Coder, class Choose>
+Status CodedMesh::code_attribute(Coder& coder, int index, int level, const Choose& choose) {
+  NMC_CHECK_STREAM(index >= 0 && index < header_->attribute_count && level >= 0 &&
+                       level <= header_->attributes[index].finest_level,
+                   "10.3", "a level or attribute that the header does not announce");
+  const AttributeDescriptor& descriptor = header_->attributes[index];
+  if (level == 0) return attributes_[index].code_base(coder, descriptor, memory_, topology_[0], choose);
+  NMC_CHECK_STREAM(level == attributes_[index].next_level(), "10.3", "a level of an attribute comes out of order");
+  NMC_TRY(ensure_topology(level - 1, false));
+  return attributes_[index].code_level(coder, descriptor, level, topology_[level - 1], choose);
 }
 
 }  // namespace nmc

@@ -36,6 +36,13 @@ double Header::diagonal() const {
   return grid_step() * std::sqrt((x * x + y * y) + z * z);
 }
 
+int Header::color_attribute() const {
+  for (int i = 0; i < attribute_count; ++i) {
+    if (attributes[i].is_color()) return i;
+  }
+  return -1;
+}
+
 std::uint32_t Header::ratio_after(int layer) const {
   std::uint32_t ratio = 1;
   for (int k = layer + 1; k < quality_layer_count; ++k) ratio *= layer_ratio[k];

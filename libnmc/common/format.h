@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "libnmc/common/attribute.h"
 #include "libnmc/common/memory.h"
 #include "libnmc/common/reconstruct.h"
 
@@ -32,7 +33,7 @@ enum class ChunkType : std::uint8_t {
   kBaseMesh = 0x01,
   kBaseCorrection = 0x02,
   kGeometry = 0x03,
-  kColor = 0x04,
+  kAttribute = 0x04,
   kMetadata = 0x81,
 };
 inline constexpr std::uint8_t kAncillaryBit = 0x80;
@@ -56,7 +57,6 @@ struct Header {
   Units units = Units::kUnknown;
   UpAxis up_axis = UpAxis::kUnknown;
   bool has_creases = false;
-  bool has_colors = false;
   std::uint32_t step_mantissa = 1;   // grid step = mantissa * 2^exponent, mantissa < 2^24
   int step_exponent = 0;             // in [-160, 100]
   std::int64_t origin[3] = {0, 0, 0};      // of the box of the input, in grid steps
@@ -71,6 +71,8 @@ struct Header {
   std::uint8_t step_code[kMaximumLevelCount] = {};     // per level: normal step of the last quality layer
   std::uint8_t tension_code[kMaximumLevelCount] = {};  // per level, in quarters
   std::uint8_t tangential_code = 0;  // tangential step over normal step
+  int attribute_count = 0;
+  AttributeDescriptor attributes[kMaximumAttributeCount];
   Array<LayerEntry> layers;
 
   double grid_step() const;
@@ -78,6 +80,8 @@ struct Header {
   double diagonal() const;
   /// Steps of a level (odd vertices of level `level`) in quality layer `layer` (spec 3.3.4).
   LevelQuantizer quantizer(int level, int layer) const;
+  /// The first attribute that is a colour; -1: none.
+  int color_attribute() const;
   /// Product of the ratios of the layers after `layer`.
   std::uint32_t ratio_after(int layer) const;
 };

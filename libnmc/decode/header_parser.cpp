@@ -9,6 +9,38 @@ namespace nmc {
 namespace {
 constexpr std::size_t kPrefixSize = 5;  // signature and version
 constexpr std::size_t kChecksumSize = 4;
+/// Spec 10.1.
+Status parse_attribute(ByteReader& reader, int level_count, AttributeDescriptor& attribute) {
+  attribute.kind = reader.read_u8();
+  NMC_CHECK_STREAM(attribute.kind != 0, "10.1", "an attribute has no kind");
+  attribute.component_count = reader.read_u8();
+  NMC_CHECK_STREAM(attribute.component_count >= 1 && attribute.component_count <= kMaximumComponentCount, "10.1",
+                   "the number of components of an attribute is out of range");
+  attribute.bit_count = reader.read_u8();
+  NMC_CHECK_STREAM(attribute.bit_count >= 1 && attribute.bit_count <= kMaximumAttributeBits, "10.1",
+                   "the number of bits of an attribute is out of range");
+  const std::uint8_t flags = reader.read_u8();
+  NMC_CHECK_STREAM((flags & 0xfeu) == 0, "10.1", "a reserved flag of an attribute is set");
+  attribute.is_decorrelated = (flags & 1u) != 0;
+  NMC_CHECK_STREAM(
+      (!attribute.is_decorrelated && !attribute.is_color()) || attribute.component_count >= 3, "10.1",
+      "a colour has less than three components");
+  attribute.finest_level = reader.read_u8();
+  NMC_CHECK_STREAM(attribute.finest_level <= level_count, "10.1", "an attribute has too many levels");
+  for (int l = 0; l <= attribute.finest_level; ++l) {
+    AttributeLevel& level = attribute.levels[l];
+    for (int c = 0; c < attribute.component_count; ++c) {
+      level.step[c] = reader.read_u8();
+      NMC_CHECK_STREAM(level.step[c] > 0, "10.1", "a step of an attribute is zero");
+    }
+    if (l == 0) continue;
+    const std::uint8_t shares = reader.read_u8();
+    level.opposite_share = (shares & 15) + kLowestOppositeShare;
+    level.near_share = shares >> 4;
+  }
+  return ok_status();
+}
+
 }  // namespace
 
 Status measure_header(const std::uint8_t* data, std::size_t size, std::size_t& total_size) {
@@ -42,7 +74,7 @@ Status parse_header(const std::uint8_t* data, std::size_t total_size, Header& he
   const std::uint8_t flags = reader.read_u8();
   NMC_CHECK_STREAM((flags & 0xf0u) == 0, "3.3.1", "a reserved flag is set");
   header.has_creases = (flags & 1u) != 0;
-  header.has_colors = (flags & 2u) != 0;
+  const bool has_attributes = (flags & 2u) != 0;
   const bool has_tensions = (flags & 4u) != 0;
   const bool has_layers = (flags & 8u) != 0;
   const std::uint8_t frame = reader.read_u8();
@@ -96,6 +128,14 @@ Status parse_header(const std::uint8_t* data, std::size_t total_size, Header& he
   for (int l = 0; l < level_count; ++l) {
     header.tension_code[l] = has_tensions ? reader.read_u8() : std::uint8_t{4};
     NMC_CHECK_STREAM(header.tension_code[l] <= 8, "3.3.4", "a tension is out of range");
+  }
+  header.attribute_count = 0;
+  if (has_attributes) {
+    header.attribute_count = reader.read_u8();
+    NMC_CHECK_STREAM(header.attribute_count >= 1 && header.attribute_count <= kMaximumAttributeCount, "10.1",
+                     "the number of attributes is out of range");
+    for (int i = 0; i < header.attribute_count; ++i)
+      NMC_TRY(parse_attribute(reader, level_count, header.attributes[i]));
   }
   const std::uint64_t layer_count = reader.read_varint();
   NMC_CHECK_STREAM(layer_count >= 1 && layer_count <= kMaximumTableSize, "3.3.5",

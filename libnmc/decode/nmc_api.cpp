@@ -56,17 +56,19 @@ nmc_status state_error(const nmc_decoder* decoder, const char* message) {
 
 constexpr const char* kNull = "a pointer is null";
 constexpr const char* kNoHeader = "the header is not complete yet";
+constexpr const char* kNoAttribute = "the stream has no such attribute";
 
-/// The vertices of `level` are `vertex_count`, and `stride` can hold three values of `value_size` bytes.
+/// The vertices of `level` are `vertex_count`, and `stride` can hold `value_count` values of `value_size` bytes.
 nmc_status check_output(const nmc_decoder* decoder, uint32_t level, const void* values,
-                        std::size_t value_size, std::size_t stride, uint32_t vertex_count) {
+                        std::size_t value_size, std::size_t value_count, std::size_t stride,
+                        uint32_t vertex_count) {
   uint32_t expected = 0, unused = 0;
   const nmc_status status = nmc_decoder_mesh_size(decoder, level, &expected, &unused);
   if (status != NMC_OK) return status;
   if (!values) return argument_error(decoder, kNull);
   if (vertex_count != expected) return argument_error(decoder, "the vertex count is not that of the level");
-  if (stride < 3 * value_size || stride % value_size != 0) {
-    return argument_error(decoder, "the stride cannot hold three values");
+  if (stride < value_count * value_size || stride % value_size != 0) {
+    return argument_error(decoder, "the stride cannot hold the values of a vertex");
   }
   return NMC_OK;
 }
@@ -91,11 +93,34 @@ void write_positions(const nmc::Vec3* positions, uint32_t vertex_count, Value* o
   }
 }
 
+/// Components of the attribute as the user knows them: red, green and blue from luma and chroma. A fourth one that
+/// the attribute does not have is its largest value. `scaled_from_bits` above 0: values are brought to eight bits.
+template <class Value>
+void write_attribute(const nmc::AttributeDescriptor& descriptor, const std::int16_t* coded, uint32_t count,
+                     uint32_t vertex_count, Value* output, std::size_t stride, int scaled_from_bits) {
+  const std::size_t step = stride / sizeof(Value);
+  const std::int32_t largest = descriptor.largest_value();
+  const auto own_count = static_cast<uint32_t>(descriptor.component_count);
+  for (std::size_t v = 0; v < vertex_count; ++v) {
+    std::int32_t own[4] = {largest, largest, largest, largest};
+    for (uint32_t c = 0; c < own_count; ++c) own[c] = coded[v * own_count + c];
+    if (descriptor.is_decorrelated) {
+      const std::int32_t luma_chroma[3] = {own[0], own[1], own[2]};
+      nmc::rgb_from_luma_chroma(luma_chroma, largest, own);
+    }
+    for (uint32_t c = 0; c < count; ++c) {
+      const std::int32_t value =
+          scaled_from_bits > 0 && scaled_from_bits != 8 ? (2 * 255 * own[c] + largest) / (2 * largest) : own[c];
+      output[v * step + c] = static_cast<Value>(value);
+    }
+  }
+}
+
 template <class Value>
 nmc_status read_positions(nmc_decoder* decoder, uint32_t level, Value* positions, std::size_t stride,
                           uint32_t vertex_count) {
   if (!decoder) return NMC_ERR_ARGUMENT;
-  const nmc_status checked = check_output(decoder, level, positions, sizeof(Value), stride, vertex_count);
+  const nmc_status checked = check_output(decoder, level, positions, sizeof(Value), 3, stride, vertex_count);
   if (checked != NMC_OK) return checked;
   const nmc::Status updated = decoder->stream.update_positions(static_cast<int>(level));
   if (!updated.ok()) return record(decoder, updated);
@@ -276,7 +301,7 @@ nmc_status nmc_decoder_info(const nmc_decoder* decoder, nmc_info* info) {
   info->units = static_cast<nmc_units>(header.units);
   info->up_axis = static_cast<nmc_up_axis>(header.up_axis);
   info->has_creases = header.has_creases ? 1 : 0;
-  info->has_colors = header.has_colors ? 1 : 0;
+  info->has_colors = header.color_attribute() >= 0 ? 1 : 0;
   return NMC_OK;
 }
 
@@ -384,7 +409,7 @@ nmc_status nmc_decoder_read_positions_double(nmc_decoder* decoder, uint32_t leve
 nmc_status nmc_decoder_read_normals(nmc_decoder* decoder, uint32_t level, float* normals, size_t stride,
                                     uint32_t vertex_count) {
   if (!decoder) return NMC_ERR_ARGUMENT;
-  const nmc_status checked = check_output(decoder, level, normals, sizeof(float), stride, vertex_count);
+  const nmc_status checked = check_output(decoder, level, normals, sizeof(float), 3, stride, vertex_count);
   if (checked != NMC_OK) return checked;
   const nmc::Status updated = decoder->stream.update_positions(static_cast<int>(level));
   if (!updated.ok()) return record(decoder, updated);
@@ -443,6 +468,74 @@ nmc_status nmc_decoder_position_hash(nmc_decoder* decoder, uint32_t level, uint6
   const nmc::Status updated = decoder->stream.update_positions(static_cast<int>(level));
   if (!updated.ok()) return record(decoder, updated);
   *hash = decoder->stream.mesh().position_hash(static_cast<int>(level));
+  return NMC_OK;
+}
+
+nmc_status nmc_decoder_attribute(const nmc_decoder* decoder, uint32_t index, nmc_attribute* attribute) {
+  if (!decoder) return NMC_ERR_ARGUMENT;
+  if (!attribute) return argument_error(decoder, kNull);
+  if (!decoder->stream.has_header()) return state_error(decoder, kNoHeader);
+  const nmc::Header& header = decoder->stream.header();
+  if (index >= static_cast<uint32_t>(header.attribute_count)) return argument_error(decoder, kNoAttribute);
+  const nmc::AttributeDescriptor& descriptor = header.attributes[index];
+  attribute->index = index;
+  attribute->kind = descriptor.kind;
+  attribute->component_count = static_cast<uint32_t>(descriptor.component_count);
+  attribute->bit_count = static_cast<uint32_t>(descriptor.bit_count);
+  attribute->finest_level = static_cast<uint32_t>(descriptor.finest_level);
+  attribute->levels_complete =
+      static_cast<uint32_t>(decoder->stream.mesh().attribute(static_cast<int>(index)).next_level());
+  return NMC_OK;
+}
+
+nmc_status nmc_decoder_read_attribute(nmc_decoder* decoder, uint32_t index, uint32_t level, uint16_t* values,
+                                      size_t stride, uint32_t vertex_count) {
+  nmc_attribute attribute;
+  const nmc_status known = nmc_decoder_attribute(decoder, index, &attribute);
+  if (known != NMC_OK) return known;
+  const nmc_status checked =
+      check_output(decoder, level, values, sizeof(uint16_t), attribute.component_count, stride, vertex_count);
+  if (checked != NMC_OK) return checked;
+  const int number = static_cast<int>(index);
+  const nmc::Status updated = decoder->stream.update_attribute(number, static_cast<int>(level));
+  if (!updated.ok()) return record(decoder, updated);
+  write_attribute(decoder->stream.header().attributes[index], decoder->stream.mesh().attribute(number).values(),
+                  attribute.component_count, vertex_count, values, stride, 0);
+  return NMC_OK;
+}
+
+nmc_status nmc_decoder_read_colors(nmc_decoder* decoder, uint32_t level, uint8_t* colors,
+                                   uint32_t component_count, size_t stride, uint32_t vertex_count) {
+  if (!decoder) return NMC_ERR_ARGUMENT;
+  if (component_count != 3 && component_count != 4) {
+    return argument_error(decoder, "a colour has three or four components");
+  }
+  const nmc_status checked =
+      check_output(decoder, level, colors, sizeof(uint8_t), component_count, stride, vertex_count);
+  if (checked != NMC_OK) return checked;
+  const int index = decoder->stream.header().color_attribute();
+  if (index < 0) return state_error(decoder, "the stream has no colours");
+  const nmc::Status updated = decoder->stream.update_attribute(index, static_cast<int>(level));
+  if (!updated.ok()) return record(decoder, updated);
+  const nmc::AttributeDescriptor& descriptor = decoder->stream.header().attributes[index];
+  write_attribute(descriptor, decoder->stream.mesh().attribute(index).values(), component_count, vertex_count,
+                  colors, stride, descriptor.bit_count);
+  return NMC_OK;
+}
+
+nmc_status nmc_decoder_attribute_hash(nmc_decoder* decoder, uint32_t index, uint32_t level, uint64_t* hash) {
+  if (!decoder) return NMC_ERR_ARGUMENT;
+  if (!hash) return argument_error(decoder, kNull);
+  uint32_t vertex_count = 0, face_count = 0;
+  const nmc_status readable = nmc_decoder_mesh_size(decoder, level, &vertex_count, &face_count);
+  if (readable != NMC_OK) return readable;
+  if (index >= static_cast<uint32_t>(decoder->stream.header().attribute_count)) {
+    return argument_error(decoder, kNoAttribute);
+  }
+  const int number = static_cast<int>(index);
+  const nmc::Status updated = decoder->stream.update_attribute(number, static_cast<int>(level));
+  if (!updated.ok()) return record(decoder, updated);
+  *hash = decoder->stream.mesh().attribute(number).hash(decoder->stream.header().attributes[index], vertex_count);
   return NMC_OK;
 }
 

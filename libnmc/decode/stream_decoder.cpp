@@ -237,6 +237,20 @@ Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, 
       }
       return ok_status();
     }
+    case ChunkType::kAttribute: {
+      NMC_CHECK_STREAM(size >= 3, "10.3", "the chunk is too short");
+      const int attribute = payload[0], first_level = payload[1], level_count = payload[2];
+      NMC_CHECK_STREAM(level_count >= 1 && first_level + level_count <= header_.level_count + 1, "10.3",
+                       "a level that the header does not announce");
+      NMC_CHECK_STREAM(mesh_.has_base(), "10.3", "an attribute comes before the base mesh");
+      RangeDecoder coder(payload + 3, size - 3, limits_.stop);
+      const auto no_choice = [](auto...) {};
+      for (int level = first_level; level < first_level + level_count; ++level) {
+        NMC_TRY(check_level_size(level, end_offset));
+        NMC_TRY(outcome(coder, mesh_.code_attribute(coder, attribute, level, no_choice)));
+      }
+      return ok_status();
+    }
     default:
       if (static_cast<std::uint8_t>(type) & kAncillaryBit) return ok_status();
       return {StatusCode::kFeature, "3.2", "the stream uses a feature that this decoder does not know"};
@@ -262,6 +276,14 @@ Status StreamDecoder::level_size(int level, std::uint32_t& vertex_count, std::ui
 Status StreamDecoder::update_positions(int level) {
   NMC_TRY(check_readable(level));
   return mesh_.update_positions(level, limits_.stop);
+}
+
+Status StreamDecoder::update_attribute(int index, int level) {
+  NMC_TRY(check_readable(level));
+  if (index < 0 || index >= header_.attribute_count) {
+    return {StatusCode::kArgument, nullptr, "the stream has no such attribute"};
+  }
+  return mesh_.update_attribute(index, level, limits_.stop);
 }
 
 Status StreamDecoder::read_indices(int level, std::uint32_t* indices) {

@@ -70,6 +70,9 @@ class StreamDecoder {
   /// Legal as level_size. After an error inside a layer whose checksums were right the older state may be
   /// lost, and then this returns that error.
   Status update_positions(int level);
+  /// Values of attribute `index` at the vertices of `level`, into mesh().attribute(index). Legal as level_size;
+  /// kState while no value of it has come.
+  Status update_attribute(int index, int level);
   /// Three vertex indices per face of `level`, 3 * face_count in all. Legal as level_size.
   Status read_indices(int level, std::uint32_t* indices);
 

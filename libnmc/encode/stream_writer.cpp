@@ -60,6 +60,29 @@ Status StreamWriter::add_levels(int layer, int first_level, int level_count, con
   return add_chunk(static_cast<std::uint8_t>(ChunkType::kGeometry), payload.data(), payload.size());
 }
 
+Status StreamWriter::add_attribute(int attribute, int first_level, int level_count,
+                                   const std::int32_t* const* corrections) {
+  Array<std::uint8_t> payload(memory_);
+  if (!payload.push_back(static_cast<std::uint8_t>(attribute)) ||
+      !payload.push_back(static_cast<std::uint8_t>(first_level)) ||
+      !payload.push_back(static_cast<std::uint8_t>(level_count))) {
+    return no_memory();
+  }
+  const auto component_count = static_cast<std::size_t>(header_.attributes[attribute].component_count);
+  RangeEncoder coder(payload);
+  for (int level = first_level; level < first_level + level_count; ++level) {
+    const std::int32_t* next = corrections[level - first_level];
+    NMC_TRY(mesh_.code_attribute(coder, attribute, level,
+                                 [&](std::uint32_t, const std::int32_t*, const AttributeContexts&,
+                                     AttributeModel&, std::int32_t* chosen) {
+                                   for (std::size_t c = 0; c < component_count; ++c) chosen[c] = *next++;
+                                 }));
+  }
+  coder.finish();
+  if (coder.out_of_memory()) return no_memory();
+  return add_chunk(static_cast<std::uint8_t>(ChunkType::kAttribute), payload.data(), payload.size());
+}
+
 Status StreamWriter::add_chunk(std::uint8_t type, const std::uint8_t* payload, std::size_t size) {
   const std::size_t start = chunks_.size();
   ByteWriter writer(chunks_);
@@ -88,13 +111,32 @@ Status StreamWriter::write_stream(Array<std::uint8_t>& bytes) const {
   return writer.out_of_memory() ? no_memory() : ok_status();
 }
 
+namespace {
+
+void write_attribute(const AttributeDescriptor& attribute, ByteWriter& writer) {
+  writer.write_u8(attribute.kind);
+  writer.write_u8(static_cast<std::uint8_t>(attribute.component_count));
+  writer.write_u8(static_cast<std::uint8_t>(attribute.bit_count));
+  writer.write_u8(attribute.is_decorrelated ? 1 : 0);
+  writer.write_u8(static_cast<std::uint8_t>(attribute.finest_level));
+  for (int l = 0; l <= attribute.finest_level; ++l) {
+    const AttributeLevel& level = attribute.levels[l];
+    for (int c = 0; c < attribute.component_count; ++c) writer.write_u8(level.step[c]);
+    if (l == 0) continue;
+    writer.write_u8(static_cast<std::uint8_t>((level.opposite_share - kLowestOppositeShare) |
+                                              (level.near_share << 4)));
+  }
+}
+
+}  // namespace
+
 Status write_header(const Header& header, Array<std::uint8_t>& bytes) {
   Array<std::uint8_t> fields;
   ByteWriter writer(fields);
   bool has_tensions = false;
   for (int l = 0; l < header.level_count; ++l) has_tensions |= header.tension_code[l] != 4;
   const bool has_layers = header.quality_layer_count > 1;
-  writer.write_u8(static_cast<std::uint8_t>((header.has_creases ? 1 : 0) | (header.has_colors ? 2 : 0) |
+  writer.write_u8(static_cast<std::uint8_t>((header.has_creases ? 1 : 0) | (header.attribute_count > 0 ? 2 : 0) |
                                             (has_tensions ? 4 : 0) | (has_layers ? 8 : 0)));
   writer.write_u8(static_cast<std::uint8_t>(static_cast<int>(header.units) |
                                             (static_cast<int>(header.up_axis) << 4)));
@@ -115,6 +157,10 @@ Status write_header(const Header& header, Array<std::uint8_t>& bytes) {
   for (int l = 0; l < header.level_count; ++l) writer.write_u8(header.step_code[l]);
   if (has_tensions) {
     for (int l = 0; l < header.level_count; ++l) writer.write_u8(header.tension_code[l]);
+  }
+  if (header.attribute_count > 0) {
+    writer.write_u8(static_cast<std::uint8_t>(header.attribute_count));
+    for (int i = 0; i < header.attribute_count; ++i) write_attribute(header.attributes[i], writer);
   }
   writer.write_varint(header.layers.size());
   for (const LayerEntry& entry : header.layers) {

@@ -34,6 +34,9 @@ class StreamWriter {
   /// One chunk with levels [first_level, first_level + level_count) of quality layer `layer`. `levels[i]` belongs to
   /// level first_level + i.
   Status add_levels(int layer, int first_level, int level_count, const LevelCoefficients* const* levels);
+  /// One chunk with levels [first_level, first_level + level_count) of an attribute, level 0 standing for the base
+  /// vertices. `corrections[i]`: component_count numbers for each vertex that level first_level + i adds.
+  Status add_attribute(int attribute, int first_level, int level_count, const std::int32_t* const* corrections);
   /// An ancillary or foreign chunk, as it is.
   Status add_chunk(std::uint8_t type, const std::uint8_t* payload, std::size_t size);
 

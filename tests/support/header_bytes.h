@@ -54,6 +54,8 @@ struct HeaderFields {
   std::uint8_t tangential_code = 64;
   Bytes step_codes = {64, 64};
   Bytes tensions;  // written when flag 4 is set
+  // Written when flag 2 is set: one colour of eight bits with values for levels 0 and 1.
+  Bytes attributes = {1, 1, 3, 8, 1, 1, 4, 4, 4, 4, 8, 8, 0x46};
   struct Row {
     std::uint64_t size = 10;
     std::uint8_t level = 0;
@@ -81,6 +83,7 @@ struct HeaderFields {
     if (level_count > 0) b.push_back(tangential_code);
     b.insert(b.end(), step_codes.begin(), step_codes.end());
     if (flags & 4) b.insert(b.end(), tensions.begin(), tensions.end());
+    if (flags & 2) b.insert(b.end(), attributes.begin(), attributes.end());
     put_varint(b, row_count);
     for (const Row& row : rows) {
       put_varint(b, row.size);

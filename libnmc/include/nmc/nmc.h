@@ -278,6 +278,39 @@ NMC_API nmc_status nmc_decoder_read_normals(nmc_decoder* decoder, uint32_t level
 NMC_API nmc_status nmc_decoder_read_offsets(nmc_decoder* decoder, uint32_t level, float* normal_offsets,
                                             uint8_t* is_off_normal, uint32_t vertex_count);
 
+/* ---- values at the vertices: colours and others ------------------------------------------------------------------ */
+
+#define NMC_ATTRIBUTE_COLOR 1 /* red, green, blue as sRGB, then opacity where there are four components */
+
+typedef struct nmc_attribute {
+  uint32_t index;
+  uint32_t kind;            /* NMC_ATTRIBUTE_COLOR, or what the application calls it: 64 ... 255 */
+  uint32_t component_count; /* 1 ... 4 */
+  uint32_t bit_count;       /* values are 0 ... 2^bit_count - 1 */
+  uint32_t finest_level;    /* values are coded up to this level and interpolated beyond */
+  uint32_t levels_complete; /* levels whose values have come: 0 at the beginning, finest_level + 1 at the end */
+} nmc_attribute;
+
+/* Attribute `index`, 0, 1, ... as long as the stream has one; NMC_ERR_ARGUMENT beyond. nmc_info.has_colors tells whether
+ * one of them is a colour. Legal from NMC_EVENT_HEADER on. */
+NMC_API nmc_status nmc_decoder_attribute(const nmc_decoder* decoder, uint32_t index, nmc_attribute* attribute);
+
+/* Colours of all vertices of `level`, in the order of the positions: `component_count` is 3 for red, green, blue or 4
+ * for opacity too (255 where the stream has none). Vertex i goes to the bytes from i * stride on. Levels that have not
+ * come are interpolated, so every NMC_EVENT_LAYER has colours to show. NMC_ERR_STATE when the stream has no colours or
+ * none have come yet. Legal from the first NMC_EVENT_LAYER on. */
+NMC_API nmc_status nmc_decoder_read_colors(nmc_decoder* decoder, uint32_t level, uint8_t* colors,
+                                           uint32_t component_count, size_t stride, uint32_t vertex_count);
+
+/* All components of any attribute, layout and errors as nmc_decoder_read_colors; the stride is in bytes. */
+NMC_API nmc_status nmc_decoder_read_attribute(nmc_decoder* decoder, uint32_t index, uint32_t level, uint16_t* values,
+                                              size_t stride, uint32_t vertex_count);
+
+/* Hash of the values of an attribute as coded, at the vertices of `level` (spec 9.4): equal in every decoder. */
+NMC_API nmc_status nmc_decoder_attribute_hash(nmc_decoder* decoder, uint32_t index, uint32_t level, uint64_t* hash);
+
+/* ---- proofs and figures ------------------------------------------------------------------------------------------ */
+
 /* Hash of all integers of the current layer (spec 9.1): equal in every conformant decoder. */
 NMC_API nmc_status nmc_decoder_state_hash(const nmc_decoder* decoder, uint64_t* hash);
 

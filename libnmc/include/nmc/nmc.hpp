@@ -90,6 +90,16 @@ class StreamReader {
     return nmc_decoder_read_normals(decoder_, level, xyz.data(), 3 * sizeof(float),
                                     vertex_count_of(xyz.size()));
   }
+  [[nodiscard]] nmc_status attribute(std::uint32_t index, nmc_attribute& attribute) const {
+    return nmc_decoder_attribute(decoder_, index, &attribute);
+  }
+  /// Tightly packed: red, green, blue per vertex.
+  [[nodiscard]] nmc_status read_colors(std::uint32_t level, std::span<std::uint8_t> rgb) {
+    return nmc_decoder_read_colors(decoder_, level, rgb.data(), 3, 3, vertex_count_of(rgb.size()));
+  }
+  [[nodiscard]] nmc_status attribute_hash(std::uint32_t index, std::uint32_t level, std::uint64_t& hash) {
+    return nmc_decoder_attribute_hash(decoder_, index, level, &hash);
+  }
   [[nodiscard]] nmc_status state_hash(std::uint64_t& hash) const {
     return nmc_decoder_state_hash(decoder_, &hash);
   }

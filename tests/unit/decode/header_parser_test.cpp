@@ -30,7 +30,26 @@ struct Violation {
   std::string section;
 };
 
+/// A header with one colour whose byte `index` of the attribute table is `value`.
+auto attribute_byte(std::size_t index, std::uint8_t value) {
+  return [index, value](HeaderFields& h) {
+    h.flags |= 2;
+    h.attributes[index] = value;
+  };
+}
+
 const std::vector<Violation> kViolations = {
+    {"no attribute", attribute_byte(0, 0), StatusCode::kCorrupt, "10.1"},
+    {"five attributes", attribute_byte(0, 5), StatusCode::kCorrupt, "10.1"},
+    {"an attribute without a kind", attribute_byte(1, 0), StatusCode::kCorrupt, "10.1"},
+    {"an attribute without components", attribute_byte(2, 0), StatusCode::kCorrupt, "10.1"},
+    {"five components", attribute_byte(2, 5), StatusCode::kCorrupt, "10.1"},
+    {"a colour of two components", attribute_byte(2, 2), StatusCode::kCorrupt, "10.1"},
+    {"components of no bits", attribute_byte(3, 0), StatusCode::kCorrupt, "10.1"},
+    {"components of fifteen bits", attribute_byte(3, 15), StatusCode::kCorrupt, "10.1"},
+    {"a reserved flag of an attribute", attribute_byte(4, 3), StatusCode::kCorrupt, "10.1"},
+    {"an attribute finer than the mesh", attribute_byte(5, 3), StatusCode::kCorrupt, "10.1"},
+    {"an attribute step of zero", attribute_byte(8, 0), StatusCode::kCorrupt, "10.1"},
     {"a reserved flag", [](HeaderFields& h) { h.flags = 0x10; }, StatusCode::kCorrupt, "3.3.1"},
     {"the last reserved flag", [](HeaderFields& h) { h.flags = 0x80; }, StatusCode::kCorrupt, "3.3.1"},
     {"unknown units", [](HeaderFields& h) { h.frame = 7; }, StatusCode::kCorrupt, "3.3.2"},
@@ -206,7 +225,6 @@ TEST_CASE("header writer and parser: round-trip of random headers", "[header]") 
     header.units = static_cast<Units>(random.below(7));
     header.up_axis = static_cast<UpAxis>(random.below(3));
     header.has_creases = random.chance(0.5);
-    header.has_colors = random.chance(0.5);
     header.step_mantissa = static_cast<std::uint32_t>(random.between(1, (1 << 24) - 1));
     header.step_exponent = static_cast<int>(random.between(-160, 100));
     for (std::int64_t& o : header.origin) o = random.between(-kMaximumOrigin, kMaximumOrigin);
@@ -225,6 +243,20 @@ TEST_CASE("header writer and parser: round-trip of random headers", "[header]") 
     for (int l = 0; l < header.level_count; ++l) {
       header.step_code[l] = static_cast<std::uint8_t>(random.below(256));
       header.tension_code[l] = static_cast<std::uint8_t>(random.chance(0.5) ? 4 : random.below(9));
+    }
+    header.attribute_count = static_cast<int>(random.chance(0.5) ? 0 : random.between(1, 4));
+    for (int i = 0; i < header.attribute_count; ++i) {
+      AttributeDescriptor& attribute = header.attributes[i];
+      attribute.kind = static_cast<std::uint8_t>(random.between(1, 255));
+      attribute.component_count = static_cast<int>(random.between(attribute.is_color() ? 3 : 1, 4));
+      attribute.bit_count = static_cast<int>(random.between(1, 14));
+      attribute.is_decorrelated = attribute.component_count >= 3 && random.chance(0.5);
+      attribute.finest_level = static_cast<int>(random.between(0, header.level_count));
+      for (int l = 0; l <= attribute.finest_level; ++l) {
+        for (std::uint8_t& step : attribute.levels[l].step) step = static_cast<std::uint8_t>(random.between(1, 255));
+        attribute.levels[l].opposite_share = static_cast<int>(random.between(-4, 11));
+        attribute.levels[l].near_share = static_cast<int>(random.between(0, 15));
+      }
     }
     for (std::uint32_t i = random.below(20);; --i) {
       REQUIRE(
