@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Probabilities of binary decisions: adaptive bits, and a few of them mixed in the logistic domain (spec 5.2).
+// Probabilities of binary decisions: adaptive bits, and a few of them mixed in the logistic domain
+// (spec 5.2).
 //
-// Based on: M. Mahoney. Adaptive weighing of context models for lossless data compression. TR CS-2005-16, Florida
-// Tech, 2005 (logistic mixing, here in integers throughout: encoder and decoder agree on every machine).
+// Based on: M. Mahoney. Adaptive weighing of context models for lossless data compression. TR CS-2005-16,
+// Florida Tech, 2005 (logistic mixing, here in integers throughout: encoder and decoder agree on every
+// machine).
 //
 // Everything is inline: these few lines are most of the time that decoding takes.
 #ifndef NMC_COMMON_CONTEXT_MIXING_H_
@@ -17,18 +19,22 @@ inline constexpr std::uint32_t kLargestCountLimit = 255;
 
 namespace mixing_internal {
 
-struct CountTables {
-  std::uint32_t reciprocal[kLargestCountLimit + 1];  // 65536 / (count + 1.5), rounded down
-  std::int32_t confidence[kLargestCountLimit + 1];   // 65536 count / (count + 2), rounded down
+/// What the number of bits seen means for an adaptive bit.
+struct CountEffect {
+  std::int32_t reciprocal;  // 65536 / (count + 1.5), rounded down
+  std::int32_t confidence;  // 65536 count / (count + 2), rounded down
+};
+struct CountTable {
+  CountEffect of[kLargestCountLimit + 1];
 };
 
-inline constexpr CountTables kCountTables = [] {
-  CountTables tables{};
+inline constexpr CountTable kCountTable = [] {
+  CountTable table{};
   for (std::uint32_t n = 0; n <= kLargestCountLimit; ++n) {
-    tables.reciprocal[n] = 131072u / (2 * n + 3);
-    tables.confidence[n] = static_cast<std::int32_t>(65536u * n / (n + 2));
+    table.of[n] = {static_cast<std::int32_t>(131072u / (2 * n + 3)),
+                   static_cast<std::int32_t>(65536u * n / (n + 2))};
   }
-  return tables;
+  return table;
 }();
 
 // 65536 / (1 + exp(-x)) at x = -8, -7.75, ..., 8, rounded (spec table B.1).
@@ -75,13 +81,15 @@ struct AdaptiveBit {
     const std::int64_t probability = state >> 10;  // 22 bits
     const std::int64_t target = bit ? (1 << 22) - 1 : 0;
     const std::int64_t moved =
-        probability + (((target - probability) * mixing_internal::kCountTables.reciprocal[n]) >> 16);
+        probability + (((target - probability) * mixing_internal::kCountTable.of[n].reciprocal) >> 16);
     state = (static_cast<std::uint32_t>(moved) << 10) | (n + (n < count_limit ? 1u : 0u));
   }
 };
 
 /// ln(p / (1 - p)) in 1/256, for a 16-bit probability; within [-2047, 2047].
-inline int stretch(std::uint32_t probability_16) { return mixing_internal::kStretch.value[probability_16 >> 4]; }
+inline int stretch(std::uint32_t probability_16) {
+  return mixing_internal::kStretch.value[probability_16 >> 4];
+}
 
 /// The inverse: a 16-bit probability in [22, 65514] for x in 1/256, clamped to [-2047, 2047].
 inline std::uint32_t squash(int x) {
@@ -97,7 +105,7 @@ inline constexpr int kMaximumMixerInputs = 8;
 
 /// Weights of one mixer, in 1/65536.
 struct MixerWeights {
-  std::int32_t weight[kMaximumMixerInputs + 1];
+  std::int32_t weight[kMaximumMixerInputs + 4];
   std::int32_t rate;  // learning rate, in 1/16384; falls as the mixer learns
 
   /// Equal weights for `input_count` adaptive bits, 1.4 in total.
@@ -123,11 +131,13 @@ class MixedBit {
   std::uint32_t probability(const MixerWeights& weights) {
     // |weight| <= 2^22 and |stretched| < 2^11: nine products stay below 2^37.
     std::int64_t sum = static_cast<std::int64_t>(weights.weight[kInputs]) * kConstantInput;
+    stretched_[kInputs] = kConstantInput;
+    for (int i = kInputs + 1; i < kLanes; ++i) stretched_[i] = 0;
     for (int i = 0; i < kInputs; ++i) {
       // An input that has seen nothing says nothing.
       const AdaptiveBit bit = *inputs_[i];
       stretched_[i] =
-          (stretch(bit.probability_16()) * mixing_internal::kCountTables.confidence[bit.count()]) >> 16;
+          (stretch(bit.probability_16()) * mixing_internal::kCountTable.of[bit.count()].confidence) >> 16;
       sum += static_cast<std::int64_t>(weights.weight[i]) * stretched_[i];
     }
     sum >>= 16;
@@ -139,24 +149,25 @@ class MixedBit {
     // |error| <= 2^16 and rate <= 800, so `step` has 16 bits and its product with an input 27.
     const std::int32_t error = (bit ? 65536 : 0) - static_cast<std::int32_t>(probability_);
     const std::int32_t step = (error * weights.rate) >> 10;
-    const auto teach = [&](std::int32_t& weight, std::int32_t input) {
-      const std::int32_t w = weight + ((step * input) >> 12);
+    // Plain loops over a whole number of SIMD registers, apart from the adaptive bits, which the compiler
+    // cannot tell from the weights.
+    std::int32_t taught[kLanes];
+    for (int i = 0; i < kLanes; ++i) {
       constexpr std::int32_t kLargest = mixing_internal::kLargestWeight;
-      weight = w > kLargest ? kLargest : w < -kLargest ? -kLargest : w;
-    };
-    for (int i = 0; i < kInputs; ++i) {
-      teach(weights.weight[i], stretched_[i]);
-      inputs_[i]->update(bit, count_limit);
+      const std::int32_t w = weights.weight[i] + ((step * stretched_[i]) >> 12);
+      taught[i] = w > kLargest ? kLargest : w < -kLargest ? -kLargest : w;
     }
-    teach(weights.weight[kInputs], kConstantInput);
+    for (int i = 0; i < kLanes; ++i) weights.weight[i] = taught[i];
+    for (int i = 0; i < kInputs; ++i) inputs_[i]->update(bit, count_limit);
     if (weights.rate > 120) weights.rate -= (weights.rate - 100) >> 5;
   }
 
  private:
   static constexpr std::int32_t kConstantInput = 77;
+  static constexpr int kLanes = (kInputs + 4) / 4 * 4;
 
   AdaptiveBit* inputs_[kInputs];
-  std::int32_t stretched_[kInputs];
+  std::int32_t stretched_[kLanes];
   std::uint32_t probability_ = 0;
 };
 

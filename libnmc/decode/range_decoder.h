@@ -28,10 +28,10 @@ class RangeDecoder {
     const std::uint32_t middle =
         low_ + static_cast<std::uint32_t>((static_cast<std::uint64_t>(high_ - low_) * probability_16) >> 16);
     const int bit = value_ <= middle;
-    if (bit)
-      high_ = middle;
-    else
-      low_ = middle + 1;
+    // Without a branch: nothing predicts these bits.
+    const std::uint32_t taken = 0u - static_cast<std::uint32_t>(bit);
+    high_ = (middle & taken) | (high_ & ~taken);
+    low_ = (low_ & taken) | ((middle + 1) & ~taken);
     while (((low_ ^ high_) & 0xff000000u) == 0) {
       low_ <<= 8;
       high_ = (high_ << 8) | 255u;
