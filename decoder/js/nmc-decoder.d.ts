@@ -34,6 +34,7 @@ export interface NmcStopRules {
 
 export interface NmcMeshOptions {
   normals?: boolean;
+  colors?: boolean;
   positions?: 'f32' | 'f64';
 }
 
@@ -93,6 +94,8 @@ export interface NmcMesh {
   indices: Uint32Array;
   positions: Float32Array | Float64Array;
   normals?: Float32Array;
+  /** Four per vertex: red, green, blue as sRGB, opacity. */
+  colors?: Uint8Array;
   stateHash?: string;
   positionHash?: string;
   /** Set with allowPartial when the stream was cut off or damaged. */
@@ -120,6 +123,7 @@ export class NmcDecoder {
   readPositions(level?: number): Float32Array;
   readPositionsDouble(level?: number): Float64Array;
   readNormals(level?: number): Float32Array;
+  readColors(level?: number): Uint8Array | null;
   /** How each vertex was set off its prediction: length along the normal, and 1 where it also moved sideways. */
   readOffsets(level?: number): { normal: Float32Array; isOffNormal: Uint8Array };
   stateHash(): string;

@@ -7,7 +7,7 @@
 //     const { positions, indices } = layer.mesh();
 //   }
 
-const MODULE_HEX = '@MODULE_HEX@';
+const MODULE_TEXT = '@MODULE_TEXT@';
 
 const STATUS = {
   '-10': 'NMC_ERR_NOT_NMC', '-12': 'NMC_ERR_VERSION', '-14': 'NMC_ERR_FEATURE', '-20': 'NMC_ERR_CORRUPT',
@@ -38,8 +38,18 @@ let compiled = null;
 /** The compiled module, compiled at the first call. */
 export function ready() {
   if (!supported) return Promise.reject(new NmcError('NMC_ERR_FEATURE', 'this environment has no WebAssembly'));
-  compiled ??= WebAssembly.compile(Uint8Array.from(MODULE_HEX.match(/../g), (digits) => parseInt(digits, 16)));
+  compiled ??= WebAssembly.compile(bytesOfText(MODULE_TEXT));
   return compiled;
+}
+
+/** The inverse of textOfBytes() in build.mjs. */
+function bytesOfText(text) {
+  const digit = (i) => text.charCodeAt(i) - (text[i] > '\\' ? 36 : 35);
+  const bytes = [];
+  for (let i = 0; i < text.length; ++i) {
+    bytes.push(text[i] === '!' ? 90 + digit(++i) : text[i] === '~' ? 180 + digit(++i) : digit(i));
+  }
+  return new Uint8Array(bytes);
 }
 
 /**
@@ -153,6 +163,18 @@ export class NmcDecoder {
     return this.#read(Float32Array, 3 * vertexCount,
       (at) => this.#wasm.readNormals(this.#decoder, level, at, vertexCount));
   }
+  /** Red, green, blue and opacity of each vertex, sRGB, 0 ... 255; null when the stream has no colours or none yet. */
+  readColors(level = this.layer?.level ?? 0) {
+    if (!this.#header?.hasColors) return null;
+    const { vertexCount } = this.meshSize(level);
+    try {
+      return this.#read(Uint8Array, 4 * vertexCount,
+        (at) => this.#wasm.readColors(this.#decoder, level, at, vertexCount));
+    } catch (error) {
+      if (error.code === 'NMC_ERR_STATE') return null;
+      throw error;
+    }
+  }
   /** { normal, isOffNormal }: length of each vertex's offset along its normal, and 1 where it also moves sideways. */
   readOffsets(level = this.layer?.level ?? 0) {
     const { vertexCount } = this.meshSize(level);
@@ -247,6 +269,7 @@ function meshOf(decoder, options) {
     positions: options.positions === 'f64' ? decoder.readPositionsDouble(level) : decoder.readPositions(level),
   };
   if (options.normals) mesh.normals = decoder.readNormals(level);
+  if (options.colors) mesh.colors = decoder.readColors(level) ?? undefined;
   return mesh;
 }
 
@@ -353,7 +376,11 @@ async function* piecesOfUrl(url, options, signal, wanted) {
   }
 }
 
-function piecesOf(source, options, signal, wanted) {
+/**
+ * Pieces of any source, as Uint8Array, until `signal` fires; see piecesOfUrl() for `wanted`. For those who feed a decoder
+ * elsewhere.
+ */
+export function piecesOf(source, options, signal, wanted) {
   if (typeof source === 'string' || source instanceof URL) return piecesOfUrl(source, options, signal, wanted);
   if (typeof Response === 'function' && source instanceof Response) source = bodyOf(source);
   if (typeof source?.getReader === 'function') return piecesOfBody(source, signal);

@@ -122,6 +122,10 @@ NMC_EXPORT(readNormals) int nmc_wasm_read_normals(nmc_decoder* decoder, std::uin
                                                   std::uint32_t vertex_count) {
   return nmc_decoder_read_normals(decoder, level, normals, 3 * sizeof(float), vertex_count);
 }
+NMC_EXPORT(readColors) int nmc_wasm_read_colors(nmc_decoder* decoder, std::uint32_t level, std::uint8_t* colors,
+                                                std::uint32_t vertex_count) {
+  return nmc_decoder_read_colors(decoder, level, colors, 4, 4, vertex_count);
+}
 NMC_EXPORT(readOffsets) int nmc_wasm_read_offsets(nmc_decoder* decoder, std::uint32_t level, float* normal_offsets,
                                                   std::uint8_t* is_off_normal, std::uint32_t vertex_count) {
   return nmc_decoder_read_offsets(decoder, level, normal_offsets, is_off_normal, vertex_count);

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// NMCLoader under node, where streams are decoded on the calling thread.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { test } from 'node:test';
+import { fileURLToPath } from 'node:url';
+import { Mesh, MeshBasicMaterial, PerspectiveCamera, Raycaster, Vector3 } from 'three';
+
+import { decode } from '../nmc-decoder.mjs';
+import { lengthOfPixels, NMCLoader, NMCMesh } from '../three/nmc-loader.mjs';
+import { refineValues } from '../three/nmc-worker.mjs';
+
+const vectors = join(dirname(fileURLToPath(import.meta.url)), '../../../tests/conformance/vectors');
+const bytesOf = (id) => new Uint8Array(readFileSync(join(vectors, id, 'stream.nmc')));
+const loader = () => new NMCLoader().setWorkerLimit(0);
+
+async function* slowly(bytes, size = 60) {
+  for (let i = 0; i < bytes.length; i += size) {
+    await new Promise((resolve) => { setTimeout(resolve, 1); });
+    yield bytes.subarray(i, i + size);
+  }
+}
+
+test('loader: resolves at the first mesh and refines in place to the whole stream', async () => {
+  const bytes = bytesOf('layers-3');
+  const whole = await decode(bytes, { hashes: true });
+  const seen = [];
+  const geometry = await loader().open(slowly(bytes));
+  assert.equal(geometry.isComplete, false);
+  assert.equal(geometry.layer.index, 0);
+  geometry.addEventListener('layer', ({ layer }) => seen.push(layer.index));
+  await geometry.finished;
+  assert.ok(seen.length >= 1);
+  assert.deepEqual(geometry.attributes.position.array, whole.positions);
+  assert.deepEqual(geometry.index.array, whole.indices);
+  assert.equal(geometry.positionHash, whole.positionHash);
+  assert.equal(geometry.receivedBytes, bytes.length);
+  assert.ok(geometry.boundingBox.containsPoint(new Vector3(...geometry.header.box.min)));
+  geometry.dispose();
+});
+
+test('loader: parse, rays, and a mesh that is drawn by plain three.js', async () => {
+  const geometry = await new Promise((resolve, reject) => loader().parse(bytesOf('base-torus').buffer, resolve, reject));
+  await geometry.finished;
+  const mesh = new Mesh(geometry, new MeshBasicMaterial({ side: 2 }));
+  const at = new Vector3().fromBufferAttribute(geometry.attributes.position, 0);
+  const from = at.clone().add(new Vector3(3, 5, 7).multiplyScalar(geometry.boundingSphere.radius));
+  assert.ok(new Raycaster(from, at.clone().sub(from).normalize()).intersectObject(mesh).length >= 0);
+  assert.equal(geometry.attributes.normal.count, geometry.attributes.position.count);
+});
+
+test('loader: goals hold the stream and moving them lets it go on', async () => {
+  const bytes = bytesOf('layers-4');
+  const geometry = await loader().open(slowly(bytes, 20), { goal: { maxLayer: 1 } });
+  await geometry.refineTo({ layer: 1 });
+  await new Promise((resolve) => { setTimeout(resolve, 30); });
+  assert.equal(geometry.layer.index, 1);
+  const last = geometry.layers.length - 1;
+  assert.equal((await geometry.refineTo({ layer: last })).index, last);
+  await geometry.refineTo({});
+  assert.ok(geometry.isComplete);
+});
+
+test('loader: a cut-off stream keeps its mesh and says so; a file of another kind rejects', async () => {
+  const bytes = bytesOf('layers-3');
+  const geometry = await loader().open(slowly(bytes.subarray(0, -3)));
+  await assert.rejects(geometry.finished, { code: 'NMC_ERR_TRUNCATED' });
+  assert.ok(geometry.attributes.position.count > 0);
+  assert.equal(geometry.error.code, 'NMC_ERR_TRUNCATED');
+  await assert.rejects(loader().parseAsync(new TextEncoder().encode('DRACO and more')), { code: 'NMC_ERR_NOT_NMC' });
+  await assert.rejects(loader().parseAsync(new ArrayBuffer(0)), { code: 'NMC_ERR_TRUNCATED' });
+  const controller = new AbortController();
+  const opening = loader().open(slowly(bytes, 4), { signal: controller.signal });
+  controller.abort();
+  await assert.rejects(opening, { name: 'AbortError' });
+});
+
+test('loader: stop rules in triangles and memory', async () => {
+  const bytes = bytesOf('tensions');
+  const few = await loader().open(bytes, { maxTriangles: 100 });
+  await few.finished;
+  assert.equal(few.layer.triangles, 96);
+  const small = await loader().open(bytes, { maxMemory: 150 * 100 });
+  await small.finished;
+  assert.equal(small.layer.triangles, 96);
+});
+
+test('loader: load() follows the protocol of loaders', async () => {
+  const fetch = async () => new Response(bytesOf('tensions'));
+  const totals = [];
+  const it = loader().setOptions({ fetch }).setPath('http://localhost/');
+  const geometry = await it.loadAsync('x.nmc', ({ loaded, total }) => totals.push([loaded, total]));
+  await geometry.finished;
+  assert.ok(totals.length > 0);
+  const missing = loader().setOptions({ fetch: async () => new Response('', { status: 404 }) });
+  await assert.rejects(missing.loadAsync('http://localhost/x.nmc'), { code: 'HTTP_404' });
+});
+
+test('morph: a finer mesh starts on the coarser one', async () => {
+  const bytes = bytesOf('tensions');
+  const fine = await decode(bytes);
+  const coarse = await decode(bytes, { maxLevel: fine.level - 1 });
+  assert.equal(coarse.level, fine.level - 1);
+  const start = refineValues(coarse.positions, 3, [{ indices: fine.indices, vertexCount: fine.positions.length / 3 }]);
+  assert.deepEqual(start.subarray(0, coarse.positions.length), coarse.positions);
+  const area = (positions, indices) => {
+    let sum = 0;
+    const [a, b, c] = [new Vector3(), new Vector3(), new Vector3()];
+    for (let i = 0; i < indices.length; i += 3) {
+      a.fromArray(positions, 3 * indices[i]);
+      b.fromArray(positions, 3 * indices[i + 1]).sub(a);
+      c.fromArray(positions, 3 * indices[i + 2]).sub(a);
+      sum += b.cross(c).length() / 2;
+    }
+    return sum;
+  };
+  const expected = area(coarse.positions, coarse.indices);
+  assert.ok(Math.abs(area(start, fine.indices) - expected) < 1e-5 * expected);
+});
+
+test('morph: NMCMesh asks for it, and the geometry carries the start', async () => {
+  const geometry = await loader().open(slowly(bytesOf('layers-3'), 10));
+  new NMCMesh(geometry, new MeshBasicMaterial(), { duration: 5 });
+  let hadStart = false;
+  geometry.addEventListener('layer', () => { hadStart ||= geometry.attributes.nmcStart !== undefined; });
+  await geometry.finished;
+  assert.ok(hadStart);
+  assert.equal(geometry.attributes.nmcStart?.count ?? geometry.attributes.position.count,
+    geometry.attributes.position.count);
+});
+
+test('pixels: an error of one pixel is smaller near by', async () => {
+  const geometry = await loader().open(bytesOf('base-torus'));
+  const length = (distance) => {
+    const camera = new PerspectiveCamera(50, 1, 0.001, 1e6);
+    camera.position.set(0, 0, geometry.boundingSphere.center.z + distance * geometry.boundingSphere.radius);
+    return lengthOfPixels(1, { camera, viewportHeight: 1000, geometry });
+  };
+  assert.ok(length(2) < length(20));
+});

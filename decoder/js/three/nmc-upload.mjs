@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Attributes whose bytes go to the graphics card in slices, a few megabytes per frame. three.js uploads an attribute
+// whole at its first use, and a card that is busy makes the page wait for it; this goes around that with the
+// renderer's own context. A BufferAttribute in all other respects: rays, wireframes and clones find the array.
+import { BufferAttribute } from 'three';
+
+export class UploadedAttribute extends BufferAttribute {
+  /** `buffer` holds the array's bytes on the card of `gl`; three.js deletes it with the geometry. */
+  constructor(array, itemSize, normalized, gl, buffer) {
+    super(array, itemSize, normalized);
+    this.buffer = buffer;
+    this.type = typeOf(gl, array);
+    this.elementSize = array.BYTES_PER_ELEMENT;
+    this.isGLBufferAttribute = true;
+  }
+  /** An ordinary attribute again: for when the context was lost, and the buffer with it. */
+  forgetBuffer() {
+    delete this.isGLBufferAttribute;
+    this.needsUpdate = true;
+  }
+}
+
+function typeOf(gl, array) {
+  if (array instanceof Float32Array) return gl.FLOAT;
+  if (array instanceof Uint32Array) return gl.UNSIGNED_INT;
+  if (array instanceof Uint16Array) return gl.UNSIGNED_SHORT;
+  if (array instanceof Int8Array) return gl.BYTE;
+  return gl.UNSIGNED_BYTE;
+}
+
+/** The next frame, or a little later where there are none: a page in the background draws nothing. */
+export const nextFrame = () => new Promise((resolve) => {
+  const timer = setTimeout(resolve, 120);
+  if (typeof requestAnimationFrame !== 'function') return;
+  requestAnimationFrame(() => {
+    clearTimeout(timer);
+    resolve();
+  });
+});
+
+/**
+ * Attributes for `pieces`, rows of { array, itemSize, normalized }, null for each null. With a WebGL renderer their
+ * bytes are uploaded before the promise resolves, at most `bytesPerFrame` in a frame; `isOver()` ends it early, and
+ * then it resolves to null.
+ */
+export async function uploadAttributes(pieces, renderer, bytesPerFrame, isOver) {
+  const gl = renderer?.isWebGLRenderer ? renderer.getContext() : null;
+  const plain = () => pieces.map((piece) => piece && new BufferAttribute(piece.array, piece.itemSize, piece.normalized));
+  if (!gl || gl.isContextLost()) return plain();
+  const buffers = [];
+  let left = bytesPerFrame;
+  for (const piece of pieces) {
+    if (!piece) continue;
+    const { array } = piece;
+    // Bound where no vertex array object notices: the renderer keeps count of its own bindings.
+    const buffer = gl.createBuffer();
+    buffers.push(buffer);
+    gl.bindBuffer(gl.COPY_WRITE_BUFFER, buffer);
+    gl.bufferData(gl.COPY_WRITE_BUFFER, array.byteLength, gl.STATIC_DRAW);
+    const bytes = new Uint8Array(array.buffer, array.byteOffset, array.byteLength);
+    for (let start = 0; start < bytes.length;) {
+      if (left === 0) {
+        await nextFrame();
+        left = bytesPerFrame;
+        if (isOver()) {
+          for (const unused of buffers) gl.deleteBuffer(unused);
+          return null;
+        }
+        if (gl.isContextLost()) return plain();
+        gl.bindBuffer(gl.COPY_WRITE_BUFFER, buffer);
+      }
+      const size = Math.min(left, bytes.length - start);
+      gl.bufferSubData(gl.COPY_WRITE_BUFFER, start, bytes, start, size);
+      start += size;
+      left -= size;
+    }
+    gl.bindBuffer(gl.COPY_WRITE_BUFFER, null);
+  }
+  return pieces.map((piece) => piece &&
+    new UploadedAttribute(piece.array, piece.itemSize, piece.normalized, gl, buffers.shift()));
+}
