@@ -27,11 +27,11 @@ struct MeshQuantizer::State {
     system.galerkin();
   }
 
-  /// Back to the correspondences of the fit.
+  /// Back to the correspondences of the fit, and to the frames of its mesh: a coefficient is judged by where it points.
   void restart() {
-    if (at_start) return;
     std::vector<Vec3> positions;
-    system.synthesis().positions_of(fitted_values, positions);
+    system.synthesis().synthesize(fitted_values, positions);
+    if (at_start) return;
     system.set_samples(samples, positions, energy_options);
     at_start = true;
   }

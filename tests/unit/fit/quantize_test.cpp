@@ -78,6 +78,33 @@ TEST_CASE("Quantizing is a function of its arguments") {
   CHECK(first.base_coordinates == second.base_coordinates);
 }
 
+TEST_CASE("The first call keeps the tangential parts that later calls keep") {
+  Fitted fitted(4);
+  constexpr std::uint32_t kEdge = 5;
+  fitted.mesh.details[1][kEdge].along += 0.25;
+  // The mesh with its sideways peak is the surface itself: its own points are the targets.
+  const int finest = fitted.mesh.level_count();
+  const LevelTopology& topology = fitted.mesh.hierarchy.level(finest);
+  const std::vector<Vec3> x = reconstruct(fitted.mesh, finest);
+  for (SurfaceSample& sample : fitted.samples) {
+    const std::uint32_t* corners = topology.face_vertices.data() + std::size_t{3} * sample.face;
+    sample.target = {};
+    for (int k = 0; k < 3; ++k) sample.target += static_cast<double>(sample.barycentric[k]) * x[corners[k]];
+    sample.normal = normalized(cross(x[corners[1]] - x[corners[0]], x[corners[2]] - x[corners[0]]));
+  }
+  MeshQuantizer quantizer(fitted.mesh, 4, fitted.samples, nullptr);
+  QuantizeOptions options;
+  options.normal_step = 5e-3;
+  const QuantizedMesh first = quantizer.quantize(options);
+  const QuantizedMesh second = quantizer.quantize(options);
+  REQUIRE(first.tangential[1].size() == 1);
+  REQUIRE(second.tangential[1].size() == 1);
+  CHECK(first.tangential[1][0].edge == kEdge);
+  CHECK(first.tangential[1][0].along == second.tangential[1][0].along);
+  CHECK(first.normal == second.normal);
+  CHECK(fitted.rms_of(first) < 5e-3);
+}
+
 TEST_CASE("Rate-distortion descent lowers the cost that it is asked to lower") {
   const Fitted fitted;
   MeshQuantizer quantizer(fitted.mesh, 5, fitted.samples, nullptr);
