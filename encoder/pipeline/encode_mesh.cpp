@@ -180,6 +180,17 @@ class MeshEncoder {
     CollapseOptions collapse;
     collapse.crease_angle_degrees = options_.crease_angle_degrees;
     history_ = maps_collapse(surface_, base_sizes_, collapse, options_.progress);
+    keep_reached_base_sizes();
+  }
+
+  /// Every component, handle and boundary loop needs base vertices of its own, so a base can come out far larger than
+  /// asked: from here on base_sizes_ says what was reached, each size once.
+  void keep_reached_base_sizes() {
+    std::vector<std::size_t>& steps = history_->base_step_counts;
+    steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+    base_sizes_.clear();
+    for (const std::size_t count : steps)
+      base_sizes_.push_back(static_cast<int>(history_->surface->vertex_count() - count));
   }
 
   /// The error that the target stands for, relative to the diagonal; for a size, what a typical scan reaches.
@@ -214,7 +225,8 @@ class MeshEncoder {
     // has; beyond a few times the input's own vertices there is nothing left to follow.
     const double vertices = static_cast<double>(surface_.vertex_count());
     const double error = relative_target();
-    const double wanted = finer_ * std::min(4 * vertices, std::clamp(7e-5 * vertices / error, 3 / error, 10 / error));
+    const double asked = finer_ * std::min(4 * vertices, std::clamp(7e-5 * vertices / error, 3 / error, 10 / error));
+    const double wanted = std::min(asked, 24 * vertices + 500000);  // bounds memory: 0.5 kB per finest vertex
     const double ratio = std::max(1.0, wanted / base_size);
     return std::clamp(static_cast<int>(std::ceil(std::log(ratio) / std::log(4.0) - 0.2)), 1, 8);
   }

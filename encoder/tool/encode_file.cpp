@@ -79,6 +79,17 @@ CompareResult verify(const TriangleMesh& input, const TriangleMesh& decoded) {
   return compare_meshes(original, decoded, options);
 }
 
+/// The rooms behind do not know the file's name, but a message without it is of no use in a batch.
+EncodeResult encode_named(const TriangleMesh& input, const EncodeOptions& options, const std::string& name) {
+  try {
+    return encode_mesh(input, options);
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    if (message.starts_with(name)) throw;
+    throw Error(error.code(), name + ": " + message);
+  }
+}
+
 }  // namespace
 
 std::string output_of(const EncodeArguments& arguments, const std::string& input) {
@@ -113,7 +124,7 @@ ExitCode encode_file(const EncodeArguments& arguments, const std::string& input_
   const double diagonal = box_diagonal > 0 ? box_diagonal : 1;
   options.target = target_of(arguments, options.units, diagonal, input.vertex_count());
 
-  const EncodeResult result = encode_mesh(input, options);
+  const EncodeResult result = encode_named(input, options, input_name);
 
   ReportContext context;
   context.input_name = input_name;
