@@ -5,7 +5,7 @@ set -eu
 
 build="g++ cmake ninja-build pkg-config libeigen3-dev libembree-dev libopenmesh-dev libtbb-dev libfmt-dev libcli11-dev \
 libfast-float-dev nlohmann-json3-dev libstb-dev"
-test="catch2 python3 nodejs clang lld"
+test="catch2 python3 nodejs clang lld wasi-libc libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 libclang-rt-14-dev-wasm32"
 
 case "${1:-build}" in
   build) wanted="$build" ;;

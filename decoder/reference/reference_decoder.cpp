@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reference decoder. Read it beside format-spec.md: the order is the same and every part names its section.
-// Clarity comes before speed: neighbours are looked up where they are needed, and every row of the layer table
-// computes its positions from the base mesh on.
+// The reference decoder. Read it beside format-spec.md: the order is the same and every part names its
+// section. Clarity comes before speed: neighbours are looked up where they are needed, and every row of the
+// layer table computes its positions from the base mesh on.
 #include "decoder/reference/reference_decoder.h"
 
 #include <algorithm>
@@ -217,12 +217,12 @@ void decode_part(const ArithmeticDecoder& code, const Part& part) {
 
 // ---- B.1, B.2 ----
 
-constexpr int kSquash[65] = {
-    22,    28,    36,    47,    60,    77,    98,    126,   162,   208,   267,   342,   439,
-    562,   720,   922,   1179,  1506,  1921,  2446,  3108,  3938,  4971,  6249,  7812,  9702,
-    11955, 14595, 17625, 21025, 24743, 28693, 32768, 36843, 40793, 44511, 47911, 50941, 53581,
-    55834, 57724, 59287, 60565, 61598, 62428, 63090, 63615, 64030, 64357, 64614, 64816, 64974,
-    65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489, 65500, 65508, 65514};
+constexpr int kSquash[65] = {22,    28,    36,    47,    60,    77,    98,    126,   162,   208,   267,
+                             342,   439,   562,   720,   922,   1179,  1506,  1921,  2446,  3108,  3938,
+                             4971,  6249,  7812,  9702,  11955, 14595, 17625, 21025, 24743, 28693, 32768,
+                             36843, 40793, 44511, 47911, 50941, 53581, 55834, 57724, 59287, 60565, 61598,
+                             62428, 63090, 63615, 64030, 64357, 64614, 64816, 64974, 65097, 65194, 65269,
+                             65328, 65374, 65410, 65438, 65459, 65476, 65489, 65500, 65508, 65514};
 
 }  // namespace
 
@@ -279,13 +279,16 @@ struct Mixer {  // 5.2.2
     std::vector<i64> s(m + 1, 77);
     i64 sum = 0;
     for (std::size_t i = 0; i < m; ++i) {
-      s[i] = (stretch(static_cast<int>(inputs[i]->p >> 6)) * i64{65536 * inputs[i]->n / (inputs[i]->n + 2)}) >> 16;
+      s[i] =
+          (stretch(static_cast<int>(inputs[i]->p >> 6)) * i64{65536 * inputs[i]->n / (inputs[i]->n + 2)}) >>
+          16;
     }
     for (std::size_t i = 0; i <= m; ++i) sum += weight[i] * s[i];
     const i64 p = squash(static_cast<int>(clamp(sum >> 16, -2047, 2047)));
     const int bit = code.decision(static_cast<u32>(p));
     const i64 e = (((bit ? 65536 : 0) - p) * rate) >> 10;
-    for (std::size_t i = 0; i <= m; ++i) weight[i] = clamp(weight[i] + ((e * s[i]) >> 12), -(1 << 22), 1 << 22);
+    for (std::size_t i = 0; i <= m; ++i)
+      weight[i] = clamp(weight[i] + ((e * s[i]) >> 12), -(1 << 22), 1 << 22);
     if (rate > 120) rate -= (rate - 100) >> 5;
     for (AdaptiveBit* input : inputs) input->update(bit, limit);
     return bit;
@@ -518,7 +521,8 @@ struct BaseMeshDecoder {
               const u32 steps = distance.decode(code);
               check(steps < 32, "4.4");
               place = is_backwards ? previous : border[next].next;
-              for (u32 s = 0; s < steps; ++s) place = is_backwards ? border[place].previous : border[place].next;
+              for (u32 s = 0; s < steps; ++s)
+                place = is_backwards ? border[place].previous : border[place].next;
             } else {
               for (int bit = bit_length(border.size() - 1); bit > 0; --bit) {
                 place = 2 * place + static_cast<u32>(code.even_bit());
@@ -526,7 +530,8 @@ struct BaseMeshDecoder {
               check(place < border.size(), "4.4");
             }
             const u32 w = border[place].start;
-            check(border[place].state != State::kGone && place != i && place != next && w != u && w != v, "4.4");
+            check(border[place].state != State::kGone && place != i && place != next && w != u && w != v,
+                  "4.4");
             add_face(u, v, w);
             border.push_back({w, 0, 0, State::kOpen});
             link(border[place].previous, added);
@@ -803,27 +808,29 @@ struct GeometryDecoder {
 
     SignStates& g = sign[set];  // A.4
     const i64 near = s.near_signs + 4, parents = s.parent_signs + 2, opposites = s.opposite_signs + 2;
-    const int is_negative =
-        g.mixer[kind & 1].decode(code,
-                                 {&g.by_neighbours[near], &g.by_parents[L][parents], &g.by_opposite[opposites][parents],
-                                  &g.by_signed[s.near_signed + 12][sign_of(sibling) + 1][kind & 1],
-                                  &g.by_all[near][parents][opposites], &g.by_sibling[sign_of(sibling) + 1][opposites]},
-                                 kSlow);
+    const int is_negative = g.mixer[kind & 1].decode(
+        code,
+        {&g.by_neighbours[near], &g.by_parents[L][parents], &g.by_opposite[opposites][parents],
+         &g.by_signed[s.near_signed + 12][sign_of(sibling) + 1][kind & 1],
+         &g.by_all[near][parents][opposites], &g.by_sibling[sign_of(sibling) + 1][opposites]},
+        kSlow);
 
     MagnitudeStates& q = magnitude[set];  // A.5
     const i64 largest_of = s.near_count ? std::min<i64>(s.largest, 5) : 6;
     i64 m = 0;
-    while (m < 14 && q.mixer[m].decode(code,
-                                       {&q.by_energy[energy_of][m], &q.by_far_ring[far_of][m],
-                                        &q.by_parents[L][parent_of][m], &q.by_largest[largest_of][m],
-                                        &q.by_level_energy[L][energy_of][m], &q.by_sib[sibling_of][kind & 1][m]},
-                                       kFast)) {
+    while (m < 14 &&
+           q.mixer[m].decode(code,
+                             {&q.by_energy[energy_of][m], &q.by_far_ring[far_of][m],
+                              &q.by_parents[L][parent_of][m], &q.by_largest[largest_of][m],
+                              &q.by_level_energy[L][energy_of][m], &q.by_sib[sibling_of][kind & 1][m]},
+                             kFast)) {
       ++m;
     }
     if (m == 14) m += q.escape.decode(code);
     const i64 t = std::min(m + 1, 2 * kLargestCoefficient);
     run += 2 * std::min<i64>(t, 64) - (run >> 3);
-    return clamp(old + (old < 0 ? -1 : 1) * (is_negative ? -t : t), -kLargestCoefficient, kLargestCoefficient);
+    return clamp(old + (old < 0 ? -1 : 1) * (is_negative ? -t : t), -kLargestCoefficient,
+                 kLargestCoefficient);
   }
 
   /// 5.3.2: one block of `count` values from `first` on, with what A.2 needs of a quiet one.
@@ -850,7 +857,8 @@ struct GeometryDecoder {
     }
     bool all_zero = true;
     for (u32 i = 0; i < count; ++i) {
-      value[first + i] = decode_value(code, first + i, kind + 2 * is_open, is_open && i + 1 == count && all_zero);
+      value[first + i] =
+          decode_value(code, first + i, kind + 2 * is_open, is_open && i + 1 == count && all_zero);
       all_zero = all_zero && value[first + i] == 0;
     }
   }
@@ -916,7 +924,8 @@ struct GeometryDecoder {
       Tangential& t = list[e];
       t = {held(t.along + c.along), held(t.across + c.across)};
     }
-    std::erase_if(list, [](const auto& entry) { return entry.second.along == 0 && entry.second.across == 0; });
+    std::erase_if(list,
+                  [](const auto& entry) { return entry.second.along == 0 && entry.second.across == 0; });
   }
 
   void decode_level(ArithmeticDecoder& code, int level, const Mesh* coarse, const Mesh& topology,
@@ -969,7 +978,8 @@ double cosine(std::uint32_t i, std::uint32_t n) {  // A.7
     q = 2 * n - q;
   }
   const bool sine = 2 * q > n;
-  const double x = (6.283185307179586 * 0.25) * (static_cast<double>(sine ? n - q : q) / static_cast<double>(n));
+  const double x =
+      (6.283185307179586 * 0.25) * (static_cast<double>(sine ? n - q : q) / static_cast<double>(n));
   const double xx = x * x;
   double term = sine ? x : 1.0, sum = term;
   for (int k = sine ? 2 : 1; k < 20; k += 2) {
@@ -1070,11 +1080,12 @@ struct Stream {
       decode_part(code, [&] {
         Level& level = levels[static_cast<std::size_t>(l)];
         check(layer < header.layer_count, "5.3");
-        check(layer == level.layer + 1 && (l == 0 || levels[static_cast<std::size_t>(l) - 1].layer >= 0), "4.3");
+        check(layer == level.layer + 1 && (l == 0 || levels[static_cast<std::size_t>(l) - 1].layer >= 0),
+              "4.3");
         const Mesh& topology = mesh(l);
         const i64 ratio = layer > 0 ? header.layer_ratio[layer] : 1;
-        geometry_decoder.decode_level(code, l, l > 0 ? &meshes[static_cast<std::size_t>(l) - 1] : nullptr, topology,
-                                      inserted, ratio, level);
+        geometry_decoder.decode_level(code, l, l > 0 ? &meshes[static_cast<std::size_t>(l) - 1] : nullptr,
+                                      topology, inserted, ratio, level);
         level.layer = layer;
         inserted.resize(std::max(inserted.size(), topology.vertex_count + level.value.size()));
         std::copy(level.value.begin(), level.value.end(), inserted.begin() + topology.vertex_count);
@@ -1144,7 +1155,8 @@ struct Stream {
         u32 k = 0;
         while (m.faces[face][k] != other) ++k;
         const u32 side = m.face_edges[face][k];
-        return m.is_curve[side] ? (x[end] + x[tip]) - x[other] : x[m.third_corner(side, m.face_beyond(side, face))];
+        return m.is_curve[side] ? (x[end] + x[tip]) - x[other]
+                                : x[m.third_corner(side, m.face_beyond(side, face))];
       };
       const Vec3 beside_a = wing(a, b), beside_b = wing(b, a);
       wings = wings + (beside_a + beside_b);
@@ -1158,7 +1170,8 @@ struct Stream {
     const auto on_grid = [&](std::size_t i) {
       return static_cast<double>(header.origin[i % 3] + scale * coordinates[i]) * header.grid_step;
     };
-    for (std::size_t i = 0; i < coordinates.size(); i += 3) x.push_back({on_grid(i), on_grid(i + 1), on_grid(i + 2)});
+    for (std::size_t i = 0; i < coordinates.size(); i += 3)
+      x.push_back({on_grid(i), on_grid(i + 1), on_grid(i + 2)});
     for (int l = 0; l < shown_level; ++l) {
       const Mesh& m = mesh(l);
       const Level& level = levels[static_cast<std::size_t>(l)];
@@ -1258,7 +1271,8 @@ Chunk read_chunk(const std::vector<u8>& bytes, u64 offset, u64 row_end, const Li
   Reader stored{bytes.data() + payload + size, 4};
   if (stored.fixed(4) != crc32c(bytes.data() + offset, static_cast<std::size_t>(payload + size - offset)))
     fail(Code::kChecksum, "3.2");
-  return {type, static_cast<std::size_t>(payload), static_cast<std::size_t>(size), static_cast<std::size_t>(end)};
+  return {type, static_cast<std::size_t>(payload), static_cast<std::size_t>(size),
+          static_cast<std::size_t>(end)};
 }
 
 /// The header, and in `end` where it ends (3.1, 3.3).
@@ -1329,14 +1343,22 @@ Decoding decode(const std::vector<std::uint8_t>& bytes, const Limits& limits) {
 
 const char* name_of(Code code) {
   switch (code) {
-    case Code::kOk: return "OK";
-    case Code::kNotNmc: return "NOT_NMC";
-    case Code::kVersion: return "VERSION";
-    case Code::kFeature: return "FEATURE";
-    case Code::kCorrupt: return "CORRUPT";
-    case Code::kChecksum: return "CHECKSUM";
-    case Code::kTruncated: return "TRUNCATED";
-    case Code::kLimit: return "LIMIT";
+    case Code::kOk:
+      return "OK";
+    case Code::kNotNmc:
+      return "NOT_NMC";
+    case Code::kVersion:
+      return "VERSION";
+    case Code::kFeature:
+      return "FEATURE";
+    case Code::kCorrupt:
+      return "CORRUPT";
+    case Code::kChecksum:
+      return "CHECKSUM";
+    case Code::kTruncated:
+      return "TRUNCATED";
+    case Code::kLimit:
+      return "LIMIT";
   }
   return "";
 }
@@ -1356,7 +1378,8 @@ bool read_varint(const std::vector<std::uint8_t>& bytes, std::uint64_t& value) {
   return !reader.is_misspelt && !reader.is_past_end && reader.position == bytes.size();
 }
 
-std::vector<int> decisions(const std::vector<std::uint8_t>& payload, const std::vector<std::uint32_t>& probabilities) {
+std::vector<int> decisions(const std::vector<std::uint8_t>& payload,
+                           const std::vector<std::uint32_t>& probabilities) {
   ArithmeticDecoder code(payload.data(), payload.size());
   std::vector<int> bits;
   for (const u32 p : probabilities) bits.push_back(code.decision(p));

@@ -9,68 +9,47 @@
 #include <set>
 #include <string>
 
-#include "tests/support/stream_decoding.h"
+#include "tests/conformance/vectors.h"
+#include "tests/support/reference_comparison.h"
 
 using namespace nmc::test;
-using Json = nlohmann::json;
-namespace fs = std::filesystem;
-
-namespace {
-
-const fs::path kVectors = fs::path(NMC_SOURCE_DIR) / "tests/conformance/vectors";
-
-Json read_json(const fs::path& path) {
-  std::ifstream in(path);
-  INFO(path.string());
-  REQUIRE(in.good());
-  return Json::parse(in);
-}
-
-nmc_limits limits_of(const Json& expected) {
-  nmc_limits limits = nmc_default_limits();
-  const Json given = expected.value("limits", Json::object());
-  limits.max_vertices = given.value("maxVertices", limits.max_vertices);
-  limits.max_memory = given.value("maxMemory", limits.max_memory);
-  limits.max_levels = given.value("maxLevels", limits.max_levels);
-  limits.max_base_vertices = given.value("maxBaseVertices", limits.max_base_vertices);
-  return limits;
-}
-
-}  // namespace
-
 TEST_CASE("conformance: the library agrees with every vector, in one piece and byte by byte",
           "[conformance]") {
-  const Json index = read_json(kVectors / "index.json");
-  REQUIRE(index.size() >= 60);
-  for (const Json& entry : index) {
-    const std::string id = entry.get<std::string>();
-    const Json expected = read_json(kVectors / id / "expected.json");
-    std::ifstream stream(kVectors / id / "stream.nmc", std::ios::binary);
-    INFO("vector " << id << ": " << expected.value("what", ""));
-    REQUIRE(stream.good());
-    const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream),
-                                          std::istreambuf_iterator<char>()};
-    const nmc_limits limits = limits_of(expected);
+  const std::vector<Vector> vectors = read_vectors();
+  REQUIRE(vectors.size() >= 60);
+  for (const Vector& vector : vectors) {
+    INFO("vector " << vector.id << ": " << vector.what);
     for (const std::size_t piece : {~std::size_t{0}, std::size_t{1}}) {
-      const Decoding decoding = decode(bytes, {piece}, &limits);
+      const Decoding decoding = decode(vector.bytes, {piece}, &vector.limits);
       INFO("in pieces of " << piece << ": " << decoding);
-      CHECK(nmc_status_name(decoding.status) == expected["status"].get<std::string>());
+      CHECK(nmc_status_name(decoding.status) == vector.status);
       if (decoding.status != NMC_OK) {
-        CHECK(decoding.error.byte_offset == expected["errorOffset"].get<std::uint64_t>());
-        CHECK(decoding.error.spec_section == expected["errorSection"].get<std::string>());
+        CHECK(decoding.error.byte_offset == vector.error_offset);
+        CHECK(decoding.error.spec_section == vector.error_section);
       }
-      REQUIRE(decoding.layers.size() == expected["layers"].size());
-      for (std::size_t i = 0; i < decoding.layers.size(); ++i) {
-        const Json& layer = expected["layers"][i];
-        const auto hash = [&](const char* name) {
-          return std::stoull(layer[name].get<std::string>(), nullptr, 16);
-        };
-        INFO("row " << i);
-        CHECK(decoding.layers[i].level == layer["level"].get<std::uint32_t>());
-        CHECK(decoding.layers[i].end_offset == layer["endByte"].get<std::uint64_t>());
-        CHECK(decoding.layers[i].state_hash == hash("stateHash"));
-        CHECK(decoding.layers[i].position_hash == hash("positionHash"));
-      }
+      REQUIRE(decoding.layers.size() == vector.layers.size());
+      for (std::size_t i = 0; i < decoding.layers.size(); ++i) CHECK(decoding.layers[i] == vector.layers[i]);
+    }
+  }
+}
+
+TEST_CASE("conformance: the reference decoder agrees with every vector", "[conformance][reference]") {
+  for (const Vector& vector : read_vectors()) {
+    INFO("vector " << vector.id << ": " << vector.what);
+    const nmc_reference::Decoding decoding =
+        nmc_reference::decode(vector.bytes, reference_limits(vector.limits));
+    CHECK((decoding.code == nmc_reference::Code::kOk
+               ? "NMC_OK"
+               : std::string("NMC_ERR_") + name_of(decoding.code)) == vector.status);
+    if (decoding.code != nmc_reference::Code::kOk) {
+      CHECK(decoding.offset == vector.error_offset);
+      CHECK(decoding.section == vector.error_section);
+    }
+    REQUIRE(decoding.rows.size() == vector.layers.size());
+    for (std::size_t i = 0; i < decoding.rows.size(); ++i) {
+      const nmc_reference::Row& row = decoding.rows[i];
+      CHECK(DecodedLayer{static_cast<std::uint32_t>(i), row.level, row.end_offset, row.state_hash,
+                         row.position_hash} == vector.layers[i]);
     }
   }
 }

@@ -3,38 +3,14 @@
 // writer would, so that what is inside the chunks is reached.
 #include <catch2/catch.hpp>
 
-#include "libnmc/common/byte_reader.h"
-#include "libnmc/common/checksum.h"
 #include "tests/malformed/tiny_streams.h"
+#include "tests/support/repair_checksums.h"
 #include "tests/support/stream_decoding.h"
 
 using namespace nmc;
 using namespace nmc::test;
 
 namespace {
-
-/// Writes the right checksums into a stream whose framing is whole.
-void repair_checksums(std::vector<std::uint8_t>& bytes) {
-  const auto repair = [&](std::size_t begin, std::size_t end) {  // checksum at end - 4
-    const std::uint32_t checksum = crc32c(bytes.data() + begin, end - begin - 4);
-    for (int k = 0; k < 4; ++k) bytes[end - 4 + k] = static_cast<std::uint8_t>(checksum >> (8 * k));
-  };
-  ByteReader reader(bytes.data() + 5, bytes.size() - 5);
-  const std::uint64_t header_size = reader.read_varint();
-  if (header_size > bytes.size()) return;
-  std::size_t position = 5 + reader.position() + static_cast<std::size_t>(header_size) + 4;
-  if (position > bytes.size()) return;
-  repair(0, position);
-  while (position + 6 <= bytes.size()) {
-    ByteReader chunk(bytes.data() + position + 1, bytes.size() - position - 1);
-    const std::uint64_t payload = chunk.read_varint();
-    if (payload > bytes.size()) return;
-    const std::size_t end = position + 1 + chunk.position() + static_cast<std::size_t>(payload) + 4;
-    if (end > bytes.size()) return;
-    repair(position, end);
-    position = end;
-  }
-}
 
 /// Decodes and draws whatever is left of the mesh; the limits keep hostile counts small.
 Decoding decode_and_look(const std::vector<std::uint8_t>& bytes) {
@@ -79,7 +55,7 @@ TEST_CASE("bit flips: with checksums repaired every outcome is a sound mesh or a
       for (int bit = 0; bit < 8; ++bit) {
         std::vector<std::uint8_t> changed = stream.bytes;
         changed[i] = static_cast<std::uint8_t>(changed[i] ^ (1u << bit));
-        repair_checksums(changed);
+        repair_checksums(changed.data(), changed.size());
         const Decoding decoding = decode_and_look(changed);
         (decoding.status == NMC_OK ? meshes : errors) += 1;
       }
@@ -99,7 +75,7 @@ TEST_CASE("random bytes in place of payloads: a sound mesh or a clean error", "[
       for (std::size_t k = 0; k < count; ++k) {
         changed[5 + random.below(changed.size() - 5)] = static_cast<std::uint8_t>(random.below(256));
       }
-      if (random.chance(0.9)) repair_checksums(changed);
+      if (random.chance(0.9)) repair_checksums(changed.data(), changed.size());
       decode_and_look(changed);
     }
   }
