@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Running the project's programs: where they are, and how long and how large they ran."""
 
+import concurrent.futures
 import json
 import os
 import subprocess
@@ -86,6 +87,13 @@ class Programs:
             command += ["--samples", str(samples)]
         compared = run(command)
         return json.loads(compared.output) if compared.exit_code == 0 else None
+
+
+def in_parallel(measure, tasks, jobs):
+    """Yields measure(task) as they are done, `jobs` at once. The programs they start do the work, so threads do."""
+    with concurrent.futures.ThreadPoolExecutor(max(jobs, 1)) as pool:
+        for done in concurrent.futures.as_completed([pool.submit(measure, task) for task in tasks]):
+            yield done.result()
 
 
 def default_build():
