@@ -20,7 +20,7 @@ using nmc::Status;
 
 constexpr int kQualityLayers = 3;
 constexpr int kLayerRatio = 16;         // the largest there is: a later layer adds four bits
-constexpr int kBaseRadius = 1 << 22;    // in steps of the grid
+constexpr int kBaseRadius = 1 << 24;    // in steps of the grid
 constexpr double kRoughness = 0.24, kDecay = 0.52;
 
 void check(const Status& status) {
@@ -57,7 +57,7 @@ class Rock {
     header.units = nmc::Units::kMetre;
     header.up_axis = nmc::UpAxis::kY;
     header.step_mantissa = 1;
-    header.step_exponent = -22;
+    header.step_exponent = -24;
     for (int k = 0; k < 3; ++k) {
       header.origin[k] = -3 * kBaseRadius / 2;
       header.extent[k] = 3 * kBaseRadius;
