@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "decoder/adaptive/face_hierarchy.h"
 #include "libnmc/common/vec3.h"
 
 namespace nmc {
@@ -28,57 +29,20 @@ struct Cut {
   int diagonal_from = 0;  // unsplit + 1 or unsplit + 2
 };
 
-int next(int k) { return k == 2 ? 0 : k + 1; }
-int after_next(int k) { return k == 0 ? 2 : k - 1; }
-
-/// Points of a face split `depth` times, by their whole barycentric coordinates (b0, b1, side - b0 - b1).
-class Lattice {
- public:
-  explicit Lattice(int depth) : side_(uint32_t{1} << depth), slots_((size_t{side_} + 1) * (side_ + 2) / 2) {
-    const uint32_t corners[3][2] = {{side_, 0}, {0, side_}, {0, 0}};
-    descend(depth, 0, corners);
-  }
-  uint32_t side() const { return side_; }
-  /// Where the descendants of a face list this point: 3 * triangle + corner, counted from its first one.
-  size_t slot(uint32_t b0, uint32_t b1) const { return slots_[index(b0, b1)]; }
-
- private:
-  size_t index(uint32_t b0, uint32_t b1) const { return size_t{b0} * (2 * size_t{side_} + 3 - b0) / 2 + b1; }
-  void descend(int depth, size_t leaf, const uint32_t (&c)[3][2]) {
-    if (depth == 0) {
-      for (size_t k = 0; k < 3; ++k) slots_[index(c[k][0], c[k][1])] = 3 * leaf + k;
-      return;
-    }
-    uint32_t m[3][2];
-    for (int k = 0; k < 3; ++k)
-      for (int i = 0; i < 2; ++i) m[k][i] = (c[next(k)][i] + c[after_next(k)][i]) / 2;
-    const auto child = [&](size_t number, const uint32_t(&p)[2], const uint32_t(&q)[2],
-                           const uint32_t(&r)[2]) {
-      const uint32_t corners[3][2] = {{p[0], p[1]}, {q[0], q[1]}, {r[0], r[1]}};
-      descend(depth - 1, 4 * leaf + number, corners);
-    };
-    child(0, c[0], m[2], m[1]);
-    child(1, m[2], c[1], m[0]);
-    child(2, m[1], m[0], c[2]);
-    child(3, m[0], m[1], m[2]);
-  }
-
-  uint32_t side_;
-  std::vector<size_t> slots_;
-};
+constexpr auto next = next_corner, after_next = corner_after_next;
 
 class Extraction {
  public:
   Extraction(std::span<const uint32_t> triangles, std::span<const double> positions, int level,
              double tolerance)
-      : triangles_(triangles),
+      : hierarchy_(triangles, level),
         positions_(positions),
         level_(level),
         tolerance_(tolerance),
-        base_face_count_(static_cast<uint32_t>((triangles.size() / 3) >> (2 * level))),
+        base_face_count_(hierarchy_.face_count(0)),
         is_used_(positions.size() / 3, 0) {
     for (int l = 0; l < level; ++l) {
-      checked_.emplace_back(size_t{base_face_count_} << (2 * l), kNotChecked);
+      checked_.emplace_back(hierarchy_.face_count(l), kNotChecked);
       lattices_.emplace_back(level - l);
     }
   }
@@ -101,17 +65,8 @@ class Extraction {
     const double* p = positions_.data() + size_t{3} * vertex;
     return {p[0], p[1], p[2]};
   }
-  /// Index into triangles_ of the first corner of the first descendant of a face.
-  size_t first_slot(int level, uint32_t face) const {
-    return size_t{3} * (size_t{face} << (2 * (level_ - level)));
-  }
-  /// A face keeps its corner k through its k-th children.
-  uint32_t corner(int level, uint32_t face, int k) const {
-    const size_t leaf = ((size_t{1} << (2 * (level_ - level))) - 1) / 3 * static_cast<size_t>(k);
-    return triangles_[first_slot(level, face) + 3 * leaf + static_cast<size_t>(k)];
-  }
-  /// The odd vertex of the edge opposite to corner k: a corner of the child in the middle.
-  uint32_t middle(int level, uint32_t face, int k) const { return corner(level + 1, 4 * face + 3, k); }
+  uint32_t corner(int level, uint32_t face, int k) const { return hierarchy_.corner(level, face, k); }
+  uint32_t middle(int level, uint32_t face, int k) const { return hierarchy_.middle(level, face, k); }
 
   uint8_t split_edges(int level, uint32_t face) const {
     uint8_t mask = 0;
@@ -166,9 +121,8 @@ class Extraction {
   /// full mesh, and the places where a cut, which runs along a median of the face, crosses its edges: their
   /// midpoints.
   double deviation(int level, uint32_t face, const Cut& cut, double enough) const {
-    const Lattice& lattice = lattices_[static_cast<size_t>(level)];
+    const FaceLattice& lattice = lattices_[static_cast<size_t>(level)];
     const uint32_t side = lattice.side();
-    const size_t first = first_slot(level, face);
     Vec3 v[3], offset[3];
     for (int k = 0; k < 3; ++k) v[k] = point(corner(level, face, k));
     double largest = 0;
@@ -188,7 +142,7 @@ class Extraction {
       largest = std::max(largest, squared_norm(difference));
     };
     const auto vertex_at = [&](uint32_t b0, uint32_t b1) {
-      return point(triangles_[first + lattice.slot(b0, b1)]);
+      return point(hierarchy_.vertex_at(level, face, lattice, b0, b1));
     };
     for (uint32_t b0 = 0; b0 <= side; ++b0) {
       for (uint32_t b1 = 0; b0 + b1 <= side; ++b1) {
@@ -285,15 +239,15 @@ class Extraction {
     for (uint32_t& vertex : mesh_.triangles) vertex = number[vertex];
   }
 
-  std::span<const uint32_t> triangles_;
+  FaceHierarchy hierarchy_;
   std::span<const double> positions_;
   int level_;
   double tolerance_;
   uint32_t base_face_count_;
   std::vector<uint8_t> is_used_;  // per vertex: whether the edge it splits is split
   std::vector<std::vector<uint8_t>>
-      checked_;                    // per level and face: the split edges with which it was found good
-  std::vector<Lattice> lattices_;  // per level
+      checked_;                        // per level and face: the split edges with which it was found good
+  std::vector<FaceLattice> lattices_;  // per level
   bool has_changed_ = false;
   AdaptiveMesh mesh_;
 };
