@@ -82,12 +82,14 @@ Vec3 StreamOrigin::position(const StreamSteps& steps) const {
 
 StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer_ratio,
                       const SubdivisionHierarchy& hierarchy, const std::vector<std::uint8_t>& base_creases, const StreamSteps& steps, const StreamDescription& description,
-                      const MeasureLevel& measure) {
+                      const MeasureLevel& measure, const ColorStream* colors) {
   const QuantizedMesh& mesh = *layers.front();
   const LevelTopology& base = hierarchy.level(0);
   const int coded_level_count = mesh.level_count();
   const int level_count = coded_level_count + mesh.smoothing_level_count;
-  if (level_count > kMaximumLevelCount) throw Error(ExitCode::kLimit, "too many levels");
+  const int finest_color_level = colors ? colors->descriptor.finest_level : -1;
+  const int stored_level_count = std::max(level_count, finest_color_level);
+  if (stored_level_count > kMaximumLevelCount) throw Error(ExitCode::kLimit, "too many levels");
 
   Header header;
   header.units = description.units;
@@ -105,7 +107,7 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
   header.input_triangle_count = description.input_triangle_count;
   header.base_vertex_count = base.vertex_count;
   header.base_face_count = base.face_count;
-  header.level_count = level_count;
+  header.level_count = stored_level_count;
   header.quality_layer_count = static_cast<int>(layers.size());
   if (header.quality_layer_count > kMaximumLayerCount) throw Error(ExitCode::kLimit, "too many quality layers");
   for (std::size_t k = 1; k < layers.size(); ++k) header.layer_ratio[k] = static_cast<std::uint8_t>(layer_ratio);
@@ -116,6 +118,16 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
         coded ? step_code(steps.eighths_base_to_level_0 + l * steps.eighths_per_level) : std::uint8_t{64};
     const double tension = coded ? mesh.quantizers[static_cast<std::size_t>(l)].tension.share : 1.0;
     header.tension_code[l] = static_cast<std::uint8_t>(std::lround(4 * tension));
+  }
+
+  // On the levels that only colours have, vertices stay where the midpoints are.
+  for (int l = level_count; l < stored_level_count; ++l) {
+    header.step_code[l] = 64;
+    header.tension_code[l] = 0;
+  }
+  if (colors) {
+    header.attribute_count = 1;
+    header.attributes[0] = colors->descriptor;
   }
 
   StreamWriter writer(header);
@@ -145,12 +157,32 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     if (old_index[v] != v) throw Error(ExitCode::kInternal, "the base mesh is not in stream order");
   }
   result.base_size = writer.chunks().size();
+  int next_color_level = 0;
+  /// Colours of all levels up to `level` that have not come yet, in one chunk.
+  const auto add_colors = [&](int level) {
+    const int last = std::min(level, finest_color_level);
+    if (next_color_level > last) return;
+    const std::size_t before = writer.chunks().size();
+    std::vector<const std::int32_t*> corrections;
+    for (int l = next_color_level; l <= last; ++l)
+      corrections.push_back(colors->corrections[static_cast<std::size_t>(l)].data());
+    check(writer.add_attribute(0, next_color_level, last - next_color_level + 1, corrections.data()));
+    next_color_level = last + 1;
+    result.color_size += writer.chunks().size() - before;
+  };
+  add_colors(0);
 
   std::size_t row_start = 0;
   // A decoder refuses levels that are large beside the bytes before them (spec 8.2). The header is left out here, so
   // the bytes are counted too low.
   const auto bytes_needed = [&](int level) {
-    const std::uint64_t vertex_count = hierarchy.level(level).vertex_count;
+    const LevelTopology& known = hierarchy.level(std::min(level, level_count));
+    std::uint64_t vertex_count = known.vertex_count, edge_count = known.edge_count, face_count = known.face_count;
+    for (int l = level_count; l < level; ++l) {
+      vertex_count += edge_count;
+      edge_count = 2 * edge_count + 3 * face_count;
+      face_count *= 4;
+    }
     return vertex_count <= kFreeVertices ? 0 : (vertex_count - kFreeVertices + kVerticesPerByte - 1) / kVerticesPerByte;
   };
   const auto shown_level = [&](int levels_done) {
@@ -174,6 +206,7 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     fill_up_for(levels_done == coded_level_count ? level_count : levels_done);
     check(writer.add_levels(0, first, static_cast<int>(pending.size()), pointers.data()));
     pending.clear();
+    add_colors(levels_done);
   };
   const auto nonzero_count = [&](int level) {
     const std::vector<std::int32_t>& normal = mesh.normal[static_cast<std::size_t>(level)];
@@ -217,13 +250,27 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     }
   }
 
+  for (int l = level_count + 1; l <= stored_level_count; ++l) {
+    fill_up_for(l);
+    add_colors(l);
+    StreamRow row = result.rows.back();
+    row.level = l;
+    row.triangle_count *= 4;
+    row.end_offset = writer.chunks().size();
+    check(writer.end_layer(l, error_to_code(row.error.rms, diagonal), error_to_code(row.error.maximum, diagonal)));
+    result.rows.push_back(row);
+  }
+
   Array<std::uint8_t> bytes;
   check(writer.write_stream(bytes));
   result.header_size = bytes.size() - writer.chunks().size();
   for (StreamRow& row : result.rows) row.end_offset += result.header_size;
   result.bytes.assign(bytes.begin(), bytes.end());
   result.state_hash = writer.mesh().state_hash();
-  if (measure) result.position_hash = writer.mesh().position_hash(level_count);
+  if (measure) {
+    check(writer.mesh().update_positions(stored_level_count));
+    result.position_hash = writer.mesh().position_hash(stored_level_count);
+  }
   return result;
 }
 

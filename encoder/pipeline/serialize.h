@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "encoder/color/color_stream.h"
 #include "encoder/core/triangle_mesh.h"
 #include "encoder/fit/quantized_mesh.h"
 #include "libnmc/common/format.h"
@@ -62,17 +63,20 @@ struct StreamBytes {
   std::vector<std::uint8_t> bytes;
   std::vector<StreamRow> rows;
   std::uint64_t header_size = 0, base_size = 0;
+  std::uint64_t color_size = 0;  // of all chunks with colours
   std::vector<std::uint64_t> level_sizes;
   std::uint64_t state_hash = 0, position_hash = 0;
 };
 
 /// Codes the quality layers of a mesh whose hierarchy is in stream order: `layers` are complete meshes, coarse to fine,
 /// each with steps `layer_ratio` times finer than the one before; `steps` are those of the last. Without `measure` the
-/// errors of the table are zero and the size is that of the final file.
+/// errors of the table are zero and the size is that of the final file. Colours follow the geometry of their level;
+/// levels that only colours have follow all geometry, and their rows have the error of the last level before them,
+/// whose surface they share.
 StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer_ratio,
                       const SubdivisionHierarchy& hierarchy,
                       const std::vector<std::uint8_t>& base_creases, const StreamSteps& steps,
-                      const StreamDescription& description, const MeasureLevel& measure = {});
+                      const StreamDescription& description, const MeasureLevel& measure = {}, const ColorStream* colors = nullptr);
 
 }  // namespace nmc
 
