@@ -8,6 +8,8 @@
 #include <optional>
 #include <vector>
 
+#include "decoder/adaptive/adaptive_mesh.h"
+#include "decoder/displacement/base_and_displacement.h"
 #include "decoder/tool/quantity.h"
 #include "decoder/tool/stream_source.h"
 #include "decoder/tool/tool_main.h"
@@ -20,7 +22,7 @@ using namespace nmc;
 struct Arguments {
   std::string input, output, format;
   std::optional<std::uint32_t> level;
-  std::string max_error, rms_error, max_triangles, size;
+  std::string max_error, rms_error, max_triangles, size, adaptive, base_and_displacement;
   bool allow_partial = false, prints_hash = false, no_output = false, quiet = false, force = false;
   int verbosity = 0;
   std::uint32_t repeat = 1;
@@ -90,7 +92,8 @@ bool needs_double(const Arguments& arguments, const nmc_info& info, const nmc_la
   double largest = 0;
   for (int k = 0; k < 3; ++k)
     largest = std::fmax(largest, std::fmax(std::fabs(info.box_min[k]), std::fabs(info.box_max[k])));
-  const double error = layer.has_error ? layer.rms_error : info.diagonal * 1e-5;
+  double error = layer.has_error ? layer.rms_error : info.diagonal * 1e-5;
+  if (!arguments.adaptive.empty()) error = std::fmax(error, parse_length(arguments.adaptive, info));
   return largest * 0x1p-24 > 0.05 * error;
 }
 
@@ -114,8 +117,20 @@ OutputFormat output_format(const Arguments& arguments) {
   return *format;
 }
 
+void refuse_existing(const Arguments& arguments, const std::string& path) {
+  std::error_code ignored;
+  if (!arguments.force && std::filesystem::is_regular_file(path, ignored)) {
+    throw ToolError(ToolExit::kUsage, path + ": exists already; use -f to overwrite it");
+  }
+}
+
 void check_output(Arguments& arguments) {
   if (arguments.no_output) return;
+  if (!arguments.base_and_displacement.empty()) {
+    refuse_existing(arguments, arguments.base_and_displacement + ".obj");
+    refuse_existing(arguments, arguments.base_and_displacement + ".exr");
+    return;
+  }
   if (arguments.output.empty()) {
     if (arguments.input == "-") throw ToolError(ToolExit::kUsage, "standard input needs -o");
     const std::string extension = arguments.format.empty() ? "ply" : arguments.format.substr(0, 3);
@@ -127,14 +142,53 @@ void check_output(Arguments& arguments) {
       throw ToolError(ToolExit::kUsage, "a mesh is not written to a terminal; use -o FILE");
     return;
   }
-  std::error_code ignored;
-  if (!arguments.force && std::filesystem::is_regular_file(arguments.output, ignored)) {
-    throw ToolError(ToolExit::kUsage, arguments.output + ": exists already; use -f to overwrite it");
-  }
+  refuse_existing(arguments, arguments.output);
 }
 
-void write_output(const Arguments& arguments, StreamReader& reader, const nmc_info& info,
-                  const nmc_layer& layer, std::uint32_t level) {
+void check_written(const WriteStatus& written) {
+  if (written.is_ok()) return;
+  throw ToolError(written.outcome == WriteOutcome::kInputOutput   ? ToolExit::kInputOutput
+                  : written.outcome == WriteOutcome::kUnsupported ? ToolExit::kUnsupported
+                                                                  : ToolExit::kInternal,
+                  written.message);
+}
+
+/// Keeps the three values of each vertex listed, in increasing order.
+template <class Value>
+void keep_vertices(const std::vector<std::uint32_t>& vertices, std::vector<Value>& values) {
+  if (values.empty()) return;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) values[3 * i + k] = values[std::size_t{3} * vertices[i] + k];
+  values.resize(3 * vertices.size());
+}
+
+/// What was written, for the line that tells it.
+struct Written {
+  std::uint64_t triangle_count = 0;
+  double deviation = 0;  // from the level as decoded
+};
+
+Written write_displacement(const Arguments& arguments, StreamReader& reader, std::uint32_t level) {
+  std::uint32_t vertex_count = 0, face_count = 0;
+  check_status(reader.mesh_size(level, vertex_count, face_count), reader, arguments.input);
+  const std::uint32_t base_face_count = face_count >> (2 * level);
+  if (!fits_in_image(base_face_count, static_cast<int>(level))) {
+    throw ToolError(ToolExit::kUnsupported, "the image would be wider than " +
+                                                std::to_string(kLargestImageSide) +
+                                                " texels; choose a coarser --level");
+  }
+  std::vector<std::uint32_t> indices(std::size_t{3} * face_count);
+  std::vector<double> positions(std::size_t{3} * vertex_count);
+  check_status(reader.read_indices(level, indices), reader, arguments.input);
+  check_status(reader.read_positions(level, std::span<double>(positions)), reader, arguments.input);
+  const BaseAndDisplacement data = make_base_and_displacement(indices, positions, static_cast<int>(level));
+  check_written(
+      write_base_and_displacement(arguments.base_and_displacement, data, positions, static_cast<int>(level)));
+  return {base_face_count, 0};
+}
+
+Written write_output(const Arguments& arguments, StreamReader& reader, const nmc_info& info,
+                     const nmc_layer& layer, std::uint32_t level) {
   std::uint32_t vertex_count = 0, face_count = 0;
   check_status(reader.mesh_size(level, vertex_count, face_count), reader, arguments.input);
   std::vector<std::uint32_t> indices(std::size_t{3} * face_count);
@@ -142,27 +196,37 @@ void write_output(const Arguments& arguments, StreamReader& reader, const nmc_in
   std::vector<double> exact;
   check_status(reader.read_indices(level, indices), reader, arguments.input);
   MeshView view;
-  if (needs_double(arguments, info, layer)) {
+  const bool is_double = needs_double(arguments, info, layer);
+  if (is_double || !arguments.adaptive.empty()) {
     exact.resize(std::size_t{3} * vertex_count);
     check_status(reader.read_positions(level, std::span<double>(exact)), reader, arguments.input);
-    view.positions_double = exact;
-  } else {
+  }
+  if (!is_double) {
     single.resize(std::size_t{3} * vertex_count);
     check_status(reader.read_positions(level, std::span<float>(single)), reader, arguments.input);
-    view.positions_single = single;
   }
-  view.triangles = indices;
   if (arguments.normals == "vertex") {
     normals.resize(std::size_t{3} * vertex_count);
     check_status(reader.read_normals(level, normals), reader, arguments.input);
-    view.normals = normals;
   }
-  const WriteStatus written = write_mesh(arguments.output, view, output_format(arguments));
-  if (written.is_ok()) return;
-  throw ToolError(written.outcome == WriteOutcome::kInputOutput   ? ToolExit::kInputOutput
-                  : written.outcome == WriteOutcome::kUnsupported ? ToolExit::kUnsupported
-                                                                  : ToolExit::kInternal,
-                  written.message);
+  Written result;
+  if (!arguments.adaptive.empty()) {
+    AdaptiveMesh adaptive =
+        extract_adaptive(indices, exact, static_cast<int>(level), parse_length(arguments.adaptive, info));
+    if (!is_double) exact.clear();
+    keep_vertices(adaptive.source_vertices, exact);
+    keep_vertices(adaptive.source_vertices, single);
+    keep_vertices(adaptive.source_vertices, normals);
+    indices = std::move(adaptive.triangles);
+    result.deviation = adaptive.largest_deviation;
+  }
+  view.positions_double = exact;
+  view.positions_single = single;
+  view.normals = normals;
+  view.triangles = indices;
+  check_written(write_mesh(arguments.output, view, output_format(arguments)));
+  result.triangle_count = indices.size() / 3;
+  return result;
 }
 
 void print_hashes(const Arguments& arguments, StreamReader& reader, const nmc_layer& layer,
@@ -267,7 +331,12 @@ ToolExit decode(Arguments& arguments) {
   }
   const std::uint32_t level = arguments.level && is_whole ? *arguments.level : layer.level;
   if (arguments.prints_hash) print_hashes(arguments, reader, layer, level);
-  if (!arguments.no_output) write_output(arguments, reader, outcome.info, layer, level);
+  Written written;
+  if (!arguments.no_output) {
+    written = arguments.base_and_displacement.empty()
+                  ? write_output(arguments, reader, outcome.info, layer, level)
+                  : write_displacement(arguments, reader, level);
+  }
   if (!is_whole) {
     std::fprintf(stderr, "nmc-decode: %s: %s; decoded %u of %u layers from %s\n", input.name().c_str(),
                  error_text(reader.error()).c_str(), outcome.layers_complete, outcome.info.layer_count,
@@ -282,11 +351,14 @@ ToolExit decode(Arguments& arguments) {
     return ToolExit::kTargetNotMet;
   }
   if (!arguments.quiet && !arguments.no_output && arguments.output != "-") {
-    std::string line =
-        arguments.output + ": layer " + std::to_string(layer.index + 1) + " of " +
-        std::to_string(outcome.info.layer_count) + ", " + bytes_text(layer.end_offset) + " -> " +
-        std::to_string(outcome.info.base_face_count * (std::uint64_t{1} << (2 * level))) + " triangles";
+    const bool has_image = !arguments.base_and_displacement.empty();
+    std::string line = has_image ? arguments.base_and_displacement + ".obj and .exr" : arguments.output;
+    line += ": layer " + std::to_string(layer.index + 1) + " of " + std::to_string(outcome.info.layer_count) +
+            ", " + bytes_text(layer.end_offset) + " -> " + std::to_string(written.triangle_count) +
+            (has_image ? " base" : "") + " triangles";
     if (layer.has_error) line += ", max error " + length_text(layer.max_error, outcome.info.units);
+    if (!arguments.adaptive.empty())
+      line += ", and at most " + length_text(written.deviation, outcome.info.units) + " more for adaptivity";
     std::fprintf(stderr, "%s\n", line.c_str());
   }
   return ToolExit::kOk;
@@ -299,8 +371,8 @@ int main(int argc, char** argv) {
   CLI::App app("Decodes a .nmc stream to a mesh file.", "nmc-decode");
   app.set_version_flag("-V,--version", version_line("nmc-decode"));
   app.add_option("INPUT", arguments.input, "a .nmc file, or - for standard input")->required();
-  app.add_option("-o,--output", arguments.output,
-                 "mesh file, or - for standard output; default INPUT with .ply");
+  auto* output = app.add_option("-o,--output", arguments.output,
+                                "mesh file, or - for standard output; default INPUT with .ply");
   app.add_option("--format", arguments.format,
                  "ply, ply-ascii, obj, stl, off or glb; default from the output's name");
   auto* how_much = app.add_option_group("How much (one of)");
@@ -312,6 +384,19 @@ int main(int argc, char** argv) {
                        "the finest layer with at most so many triangles");
   how_much->add_option("--bytes", arguments.size, "what the first bytes give: 20kB, 1.5MiB");
   how_much->require_option(0, 1);
+  auto* adaptive = app.add_option(
+      "--adaptive", arguments.adaptive,
+      "large triangles where the mesh is flat: leave out what moves it by no more than this length "
+      "(0.05mm, 0.003, 0.01% of the diagonal); no cracks");
+  app.add_option(
+         "--base-and-displacement", arguments.base_and_displacement,
+         "instead of a mesh write PREFIX.obj, the base mesh with texture coordinates, and PREFIX.exr, vector "
+         "displacements in object space; splitting each face into 4^level flat ones and displacing them "
+         "gives "
+         "the decoded mesh")
+      ->type_name("PREFIX")
+      ->excludes(adaptive)
+      ->excludes(output);
   app.add_flag("--allow-partial", arguments.allow_partial,
                "a stream that is cut off or damaged is fine: write what there is");
   app.add_option("--positions", arguments.positions,

@@ -93,8 +93,9 @@ WriteStatus write_base_and_displacement(const std::string& prefix, const BaseAnd
   OutputFile file(prefix + ".obj");
   {
     BlockWriter out(file);
-    out.block() += "# written by nmc: base mesh of " + std::filesystem::path(image_path).filename().string() +
-                   "\n# split each face into 4^" + std::to_string(level) +
+    out.block() += "# written by nmc: a base mesh; its displacements are in " +
+                   std::filesystem::path(image_path).filename().string() + "\n# split each face into 4^" +
+                   std::to_string(level) +
                    " flat ones, then add the image: vector displacement, object space, scale 1, middle 0,\n"
                    "# not colour managed. Texture coordinates are not to be smoothed.\n";
     for (std::size_t v = 0; v < data.base_vertex_count; ++v) {

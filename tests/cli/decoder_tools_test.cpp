@@ -2,13 +2,16 @@
 // The decoder's tools as a user's script sees them: exit codes, files, JSON.
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include "decoder/exit_codes.h"
 #include "decoder/tool/json_writer.h"
@@ -142,6 +145,67 @@ TEST_CASE("nmc-decode: level, triangles, bytes and error choose the layer", "[cl
   CHECK(run(scratch, decode + "--max-error 3parsec").code == 1);
   CHECK(run(scratch, decode + "--max-alloc 100kB").code == 6);
   CHECK(run(scratch, decode + "--max-triangles-limit 100").code == 6);
+}
+
+TEST_CASE("nmc-decode: adaptive output has fewer triangles, says how far it is off, and has no cracks",
+          "[cli]") {
+  const Scratch scratch;
+  const std::string input = scratch.write("a.nmc", example().bytes), output = scratch.file("m.off");
+  const auto triangles = [&](const std::string& how) -> std::size_t {
+    const Outcome outcome =
+        run(scratch, std::string(NMC_DECODE) + " '" + input + "' -f -o '" + output + "' " + how);
+    INFO(how << ": " << outcome.err);
+    CHECK(outcome.code == 0);
+    std::istringstream text(contents(output));
+    std::string off;
+    std::size_t vertex_count = 0, face_count = 0, edge_count = 0;
+    text >> off >> vertex_count >> face_count >> edge_count;
+    double skipped = 0;
+    for (std::size_t i = 0; i < 3 * vertex_count; ++i) text >> skipped;
+    std::map<std::pair<std::size_t, std::size_t>, int> balance;
+    for (std::size_t f = 0; f < face_count; ++f) {
+      std::size_t size = 0, v[3] = {};
+      text >> size >> v[0] >> v[1] >> v[2];
+      for (std::size_t k = 0; k < 3; ++k) {
+        ++balance[{v[k], v[(k + 1) % 3]}];
+        --balance[{v[(k + 1) % 3], v[k]}];
+      }
+    }
+    std::size_t open_edges = 0;
+    for (const auto& [edge, sum] : balance) open_edges += sum != 0;
+    CHECK(open_edges == 0);
+    return face_count;
+  };
+  CHECK(triangles("--adaptive 0") == 24 * 64);
+  const std::size_t some = triangles("--adaptive 0.01%"), few = triangles("--adaptive 0.03%");
+  CHECK(some < 24 * 64);
+  CHECK(few < some);
+  CHECK(triangles("--adaptive 60% --level 1") <= 24 * 4);
+  const std::string decode = std::string(NMC_DECODE) + " '" + input + "' -f -o '" + output + "' ";
+  CHECK(run(scratch, decode + "--adaptive 5% --normals vertex").err.find("for adaptivity") !=
+        std::string::npos);
+  CHECK(run(scratch, decode + "--adaptive -1").code == 1);
+  CHECK(run(scratch, decode + "--adaptive 1parsec").code == 1);
+}
+
+TEST_CASE("nmc-decode: base mesh and displacement image", "[cli]") {
+  const Scratch scratch;
+  const std::string input = scratch.write("a.nmc", example().bytes), prefix = scratch.file("base");
+  const std::string decode =
+      std::string(NMC_DECODE) + " '" + input + "' --base-and-displacement '" + prefix + "'";
+  const Outcome first = run(scratch, decode);
+  INFO(first.err);
+  CHECK(first.code == 0);
+  CHECK(first.err.find("24 base triangles") != std::string::npos);
+  const std::string object = contents(prefix + ".obj");
+  CHECK(std::count(object.begin(), object.end(), '\n') == 3 + 12 + 72 + 24);
+  // 24 tiles of 9 texels, five beside each other.
+  CHECK(fs::file_size(prefix + ".exr") > std::size_t{45} * 45 * 12);
+  CHECK(run(scratch, decode).code == 1);
+  CHECK(run(scratch, decode + " -f --level 1").code == 0);
+  CHECK(fs::file_size(prefix + ".exr") < std::size_t{45} * 45 * 12);
+  CHECK(run(scratch, decode + " -f --adaptive 1%").code == 1);
+  CHECK(run(scratch, decode + " -f -o x.ply").code == 1);
 }
 
 TEST_CASE("nmc-decode: cut-off and damaged files", "[cli]") {
