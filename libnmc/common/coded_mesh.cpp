@@ -140,9 +140,14 @@ Status CodedMesh::update_positions(int level, StopRequest stop) {
     for (std::uint32_t first = 0; first < edge_count; first += kEdgesPerPiece) {
       NMC_TRY(stop.check());
       const std::uint32_t last = edge_count - first > kEdgesPerPiece ? first + kEdgesPerPiece : edge_count;
-      reconstruct_odd_vertices(topology_[l], ring_weights_, current_quantizer(l),
-                               layer_of_level_[l] < 0 ? nullptr : &coefficients_[l], first, last,
-                               positions_.data());
+      const LevelCoefficients* coefficients = layer_of_level_[l] < 0 ? nullptr : &coefficients_[l];
+      if (l > 0 && !topology_[l].has_curves()) {
+        reconstruct_odd_vertices_of_split(topology_[l - 1], topology_[l], ring_weights_, current_quantizer(l),
+                                          coefficients, first, last, positions_.data());
+      } else {
+        reconstruct_odd_vertices(topology_[l], ring_weights_, current_quantizer(l), coefficients, first, last,
+                                 positions_.data());
+      }
     }
     clean_level_ = l + 1;
   }

@@ -36,8 +36,8 @@ Status number_base_edges(LevelTopology& topology, Memory* memory) {
     NMC_CHECK_STREAM(end - i <= 2, "4.4", "an edge of the base mesh has more than two faces");
     if (end - i == 2) {
       const std::uint32_t s = sorted[i].slot, t = sorted[i + 1].slot;
-      NMC_CHECK_STREAM(corners[3 * (s / 3) + (s % 3 + 1) % 3] != corners[3 * (t / 3) + (t % 3 + 1) % 3], "4.4",
-                       "two faces of the base mesh disagree in orientation");
+      NMC_CHECK_STREAM(corners[3 * (s / 3) + (s % 3 + 1) % 3] != corners[3 * (t / 3) + (t % 3 + 1) % 3],
+                       "4.4", "two faces of the base mesh disagree in orientation");
       partner[s] = t;
       partner[t] = s;
     }
@@ -96,7 +96,8 @@ Status check_umbrellas(const LevelTopology& topology, Memory* memory) {
       }
       if (face == first_face[v]) break;
     }
-    NMC_CHECK_STREAM(seen == valence[v], "4.4", "the faces around a vertex of the base mesh are not connected");
+    NMC_CHECK_STREAM(seen == valence[v], "4.4",
+                     "the faces around a vertex of the base mesh are not connected");
   }
   return ok_status();
 }
@@ -113,8 +114,8 @@ void add_curve_edge(std::uint32_t vertex, std::uint32_t edge, LevelTopology& top
 
 }  // namespace
 
-Status build_base_topology(const std::uint32_t* face_vertices, std::uint32_t face_count, std::uint32_t vertex_count,
-                           Memory* memory, LevelTopology& topology) {
+Status build_base_topology(const std::uint32_t* face_vertices, std::uint32_t face_count,
+                           std::uint32_t vertex_count, Memory* memory, LevelTopology& topology) {
   if (face_count > kNone / 4 || vertex_count > kNone / 4) {
     return {StatusCode::kLimit, "8", "the base mesh is too large"};
   }
@@ -155,14 +156,25 @@ Status set_creases(const std::uint8_t* is_crease, LevelTopology& topology) {
   return ok_status();
 }
 
+namespace {
+
+/// Value by value: an array that is copied at once would be written in small pieces and read back in large
+/// ones, which processors wait for.
+template <class... Values>
+void store_12(std::uint32_t* to, Values... values) {
+  static_assert(sizeof...(values) == 12);
+  ((*to++ = values), ...);
+}
+
+}  // namespace
+
 void split_faces(const LevelTopology& coarse, std::uint32_t* fine_face_vertices) {
   for (std::uint32_t f = 0; f < coarse.face_count; ++f) {
     const std::uint32_t* v = coarse.face_vertices.data() + std::size_t{3} * f;
     const std::uint32_t* e = coarse.face_edges.data() + std::size_t{3} * f;
     const std::uint32_t m0 = coarse.vertex_count + e[0], m1 = coarse.vertex_count + e[1],
                         m2 = coarse.vertex_count + e[2];
-    const std::uint32_t children[12] = {v[0], m2, m1, m2, v[1], m0, m1, m0, v[2], m0, m1, m2};
-    std::memcpy(fine_face_vertices + std::size_t{12} * f, children, sizeof children);
+    store_12(fine_face_vertices + std::size_t{12} * f, v[0], m2, m1, m2, v[1], m0, m1, m0, v[2], m0, m1, m2);
   }
 }
 
@@ -179,7 +191,8 @@ Status subdivide(const LevelTopology& coarse, bool faces_only, LevelTopology& fi
   split_faces(coarse, fine.face_vertices.data());
   if (faces_only) return ok_status();
 
-  if (!fine.face_edges.resize(std::size_t{12} * F) || !fine.edge_vertices.resize(std::size_t{2} * fine.edge_count) ||
+  if (!fine.face_edges.resize(std::size_t{12} * F) ||
+      !fine.edge_vertices.resize(std::size_t{2} * fine.edge_count) ||
       !fine.edge_faces.resize(std::size_t{2} * fine.edge_count)) {
     return no_memory();
   }
@@ -207,7 +220,8 @@ Status subdivide(const LevelTopology& coarse, bool faces_only, LevelTopology& fi
   for (std::uint32_t f = 0; f < F; ++f) {
     const std::uint32_t* v = coarse.face_vertices.data() + std::size_t{3} * f;
     const std::uint32_t* e = coarse.face_edges.data() + std::size_t{3} * f;
-    std::uint32_t inner[3], half[3][2];  // half[k][0]: the half of edge k at corner k+1, half[k][1]: at corner k+2
+    std::uint32_t inner[3],
+        half[3][2];  // half[k][0]: the half of edge k at corner k+1, half[k][1]: at corner k+2
     for (std::uint32_t k = 0; k < 3; ++k) {
       inner[k] = 2 * E + 3 * f + k;
       fine.edge_vertices[2 * inner[k]] = V + e[(k + 1) % 3];
@@ -219,11 +233,11 @@ Status subdivide(const LevelTopology& coarse, bool faces_only, LevelTopology& fi
       half[k][1] = 2 * e[k] + 1 - flipped;
     }
     // Child k has, opposite to its corners 0..2 as listed at the top of subdivision.h:
-    const std::uint32_t edges[12] = {inner[0],   half[1][1], half[2][0],   // 4f+0: (v0, m2, m1)
-                                     half[0][0], inner[1],   half[2][1],   // 4f+1: (m2, v1, m0)
-                                     half[0][1], half[1][0], inner[2],     // 4f+2: (m1, m0, v2)
-                                     inner[0],   inner[1],   inner[2]};    // 4f+3: (m0, m1, m2)
-    std::memcpy(fine.face_edges.data() + std::size_t{12} * f, edges, sizeof edges);
+    store_12(fine.face_edges.data() + std::size_t{12} * f,  //
+             inner[0], half[1][1], half[2][0],              //  4f+0: (v0, m2, m1)
+             half[0][0], inner[1], half[2][1],              //  4f+1: (m2, v1, m0)
+             half[0][1], half[1][0], inner[2],              //  4f+2: (m1, m0, v2)
+             inner[0], inner[1], inner[2]);                 //  4f+3: (m0, m1, m2)
   }
 
   fine.edge_is_curve.clear();
@@ -242,7 +256,8 @@ Status subdivide(const LevelTopology& coarse, bool faces_only, LevelTopology& fi
   for (std::uint32_t v = 0; v < V; ++v) {
     for (int k = 0; k < 2; ++k) {
       const std::uint32_t e = coarse.vertex_curve_edges[2 * v + k];
-      if (e != kNone) fine.vertex_curve_edges[2 * v + k] = 2 * e + (coarse.edge_vertices[2 * e] == v ? 0u : 1u);
+      if (e != kNone)
+        fine.vertex_curve_edges[2 * v + k] = 2 * e + (coarse.edge_vertices[2 * e] == v ? 0u : 1u);
     }
   }
   return ok_status();

@@ -301,5 +301,45 @@ TEST_CASE("reconstruct: ranges of edges give the same bits as one pass", "[recon
   CHECK(dot(detail, frame.across) == Approx(coefficients.tangential[0].across * 0.04).margin(1e-14));
 }
 
+TEST_CASE("reconstruct: by way of the coarser level, in any ranges, the same bits", "[reconstruct]") {
+  for (const test::SmallMesh& base : {test::tetrahedron(), test::bipyramid(7), test::grid(3, 4, true)}) {
+    for (const double tension : {0.0, 0.75, 1.0}) {
+      test::Random random(9);
+      std::vector<LevelTopology> levels(4);
+      REQUIRE(test::build(base, levels[0]).ok());
+      RingWeights ring_weights;
+      REQUIRE(ring_weights.build(levels[0]).ok());
+      std::vector<Vec3> x;
+      for (std::uint32_t v = 0; v < base.vertex_count; ++v) x.push_back(random.point());
+      for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
+        const LevelTopology& level = levels[l];
+        const std::uint32_t V = level.vertex_count, E = level.edge_count;
+        LevelCoefficients coefficients;
+        REQUIRE(coefficients.normal.resize(E));
+        for (std::uint32_t e = 0; e < E; ++e) {
+          coefficients.normal[e] = static_cast<std::int32_t>(random.uniform(-3, 3));
+          if (e % 5 == 3)
+            REQUIRE(coefficients.tangential.push_back({e, 2, static_cast<std::int32_t>(e % 7) - 3}));
+        }
+        const LevelQuantizer quantizer{0.01, 0.04, Tension{tension}};
+        x.resize(V + E);
+        std::vector<Vec3> other = x;
+        reconstruct_odd_vertices(level, ring_weights, quantizer, &coefficients, 0, E, x.data());
+        if (l > 0) {
+          for (std::uint32_t first = 0; first < E; first += 19) {
+            reconstruct_odd_vertices_of_split(levels[l - 1], level, ring_weights, quantizer, &coefficients,
+                                              first, std::min(E, first + 19), other.data());
+          }
+          for (std::uint32_t v = 0; v < V + E; ++v) {
+            INFO(base.name << " tension " << tension << " level " << l << " vertex " << v);
+            CHECK(x[v] == other[v]);
+          }
+        }
+        REQUIRE(subdivide(level, false, levels[l + 1]).ok());
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace nmc
