@@ -209,6 +209,9 @@ Written write_output(const Arguments& arguments, StreamReader& reader, const nmc
     normals.resize(std::size_t{3} * vertex_count);
     check_status(reader.read_normals(level, normals), reader, arguments.input);
   }
+  // A cut stream may end before its colours begin, and then there are none to write.
+  std::vector<std::uint8_t> colors(info.has_colors ? std::size_t{3} * vertex_count : 0);
+  if (!colors.empty() && reader.read_colors(level, colors) == NMC_ERR_STATE) colors.clear();
   Written result;
   if (!arguments.adaptive.empty()) {
     AdaptiveMesh adaptive =
@@ -217,12 +220,14 @@ Written write_output(const Arguments& arguments, StreamReader& reader, const nmc
     keep_vertices(adaptive.source_vertices, exact);
     keep_vertices(adaptive.source_vertices, single);
     keep_vertices(adaptive.source_vertices, normals);
+    keep_vertices(adaptive.source_vertices, colors);
     indices = std::move(adaptive.triangles);
     result.deviation = adaptive.largest_deviation;
   }
   view.positions_double = exact;
   view.positions_single = single;
   view.normals = normals;
+  view.colors = colors;
   view.triangles = indices;
   check_written(write_mesh(arguments.output, view, output_format(arguments)));
   result.triangle_count = indices.size() / 3;

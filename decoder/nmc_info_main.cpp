@@ -30,6 +30,7 @@ struct FileReport {
   StreamOutcome outcome;
   nmc_error_detail error{};
   std::vector<LayerReport> layers;
+  std::vector<nmc_attribute> attributes;
   std::uint64_t peak_memory = 0;
   std::string input_output_error;  // not empty: the file could not be read
   ToolExit exit = ToolExit::kOk;
@@ -86,8 +87,19 @@ FileReport examine(const std::string& file, const Arguments& arguments) {
         report.outcome.has_info = true;
         visitor.on_header(report.outcome.info);
       }
-      for (std::size_t size; (size = input.read(bytes.data(), bytes.size())) > 0;)
+      // Only decoding tells how many bytes the attributes take.
+      nmc_attribute attribute{};
+      const bool has_attributes = status == NMC_OK && reader.attribute(0, attribute) == NMC_OK;
+      const auto decode_what_came = [&] {
+        while (has_attributes && reader.next(event) == NMC_OK) {
+        }
+      };
+      decode_what_came();
+      for (std::size_t size; (size = input.read(bytes.data(), bytes.size())) > 0;) {
         report.outcome.bytes_read += size;
+        if (has_attributes) (void)!reader.feed(std::span<const std::uint8_t>(bytes.data(), size));
+        decode_what_came();
+      }
       if (status == NMC_OK) {
         for (const LayerReport& layer : report.layers) {
           report.outcome.layers_complete += layer.row.end_offset <= report.outcome.bytes_read;
@@ -106,6 +118,10 @@ FileReport examine(const std::string& file, const Arguments& arguments) {
       }
     }
     (void)!nmc_decoder_memory(reader.get(), nullptr, &report.peak_memory);
+    nmc_attribute attribute{};
+    while (report.outcome.has_info &&
+           reader.attribute(static_cast<std::uint32_t>(report.attributes.size()), attribute) == NMC_OK)
+      report.attributes.push_back(attribute);
     report.exit = exit_code_of(report.outcome.status);
     if (report.exit == ToolExit::kCutOff && report.outcome.layers_complete == 0)
       report.exit = ToolExit::kInvalidInput;
@@ -114,6 +130,10 @@ FileReport examine(const std::string& file, const Arguments& arguments) {
     report.exit = error.code();
   }
   return report;
+}
+
+std::string kind_name(const nmc_attribute& attribute) {
+  return attribute.kind == NMC_ATTRIBUTE_COLOR ? "colour" : "kind " + std::to_string(attribute.kind);
 }
 
 void write_json(JsonWriter& json, const FileReport& report, const Arguments& arguments) {
@@ -166,6 +186,18 @@ void write_json(JsonWriter& json, const FileReport& report, const Arguments& arg
     json.member("levels", info.level_count);
     json.member("qualityLayers", info.quality_layer_count);
     json.member("color", info.has_colors != 0);
+    json.key("attributes").begin('[');
+    for (const nmc_attribute& attribute : report.attributes) {
+      json.begin('{');
+      json.member("kind", kind_name(attribute));
+      json.member("components", attribute.component_count);
+      json.member("bits", attribute.bit_count);
+      json.member("finestLevel", attribute.finest_level);
+      json.member("levelsComplete", attribute.levels_complete);
+      json.member("bytes", attribute.byte_count);
+      json.end('}');
+    }
+    json.end(']');
     json.member("layersComplete", report.outcome.layers_complete);
     json.key("layers").begin('[');
     for (const LayerReport& layer : report.layers) {
@@ -248,6 +280,15 @@ void print_text(const FileReport& report, const Arguments& arguments) {
                 static_cast<unsigned long long>(report.layers.front().row.face_count),
                 bytes_text(report.layers.front().row.end_offset).c_str(), report.outcome.layers_complete,
                 info.layer_count);
+    for (const nmc_attribute& attribute : report.attributes) {
+      std::printf(
+          "  %-10s %u components of %u bits up to level %u, %s (%.0f %% of the stream), %u of %u levels "
+          "present\n",
+          kind_name(attribute).c_str(), attribute.component_count, attribute.bit_count,
+          attribute.finest_level, bytes_text(attribute.byte_count).c_str(),
+          100 * static_cast<double>(attribute.byte_count) / static_cast<double>(info.stream_size),
+          attribute.levels_complete, attribute.finest_level + 1);
+    }
     if (arguments.lists_layers || arguments.hashes) print_layers(report, arguments);
   }
   if (report.exit != ToolExit::kOk) {

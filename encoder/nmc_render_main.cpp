@@ -55,6 +55,8 @@ int main(int argc, char** argv) {
   app.add_option("--up", arguments.up, "direction that is up: X Y Z (default 0 1 0)")->expected(3);
   app.add_option("--scale-end", arguments.picture.scale_end,
                  "distance at the end of the colour scale, in units");
+  app.add_flag("!--no-colour,!--no-color", arguments.picture.shows_colors,
+               "show the shape alone, without the colours of the surfaces");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -61,6 +61,15 @@ TriangleMesh current_mesh(StreamReader& reader, std::uint32_t level, const std::
   for (std::size_t t = 0; t < face_count; ++t) {
     mesh.triangles[t] = {indices[3 * t], indices[3 * t + 1], indices[3 * t + 2]};
   }
+  nmc_info info{};
+  check(reader.info(info), reader, path);
+  std::vector<std::uint8_t> rgb(info.has_colors ? std::size_t{3} * vertex_count : 0);
+  // The first layers of a stream may come without their colours.
+  if (info.has_colors && reader.read_colors(level, rgb) == NMC_OK) {
+    mesh.colors.resize(vertex_count);
+    for (std::size_t v = 0; v < vertex_count; ++v)
+      mesh.colors[v] = {rgb[3 * v], rgb[3 * v + 1], rgb[3 * v + 2]};
+  }
   return mesh;
 }
 

@@ -3,6 +3,7 @@
 #ifndef NMC_ENCODER_PIPELINE_ENCODE_MESH_H_
 #define NMC_ENCODER_PIPELINE_ENCODE_MESH_H_
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,6 +31,7 @@ struct EncodeResult {
   CandidateStatistics candidate;
   std::size_t folded_triangle_count = 0;  // of the map
   int level_count = 0;             // coded levels
+  std::optional<ColorReport> colors;  // where the stream has them
   std::vector<StageTime> times;
   /// Every (base size, bytes, error) that was tried, in order.
   struct Attempt {

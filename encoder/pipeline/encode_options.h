@@ -39,6 +39,8 @@ struct EncodeOptions {
   DomainChoice domain = DomainChoice::kGeneral;
   int quality_layer_count = 1;          // 1: smallest file; more: better prefixes
   double crease_angle_degrees = 0;      // 0: no creases
+  /// Wanted peak signal-to-noise ratio of the colours in dB, where the input has any; nothing: no colours.
+  std::optional<double> color_psnr_db = 38;
   ConditionOptions condition;
   Units units = Units::kUnknown;
   UpAxis up_axis = UpAxis::kUnknown;

@@ -66,6 +66,15 @@ std::string report_json(const EncodeResult& result, const ReportContext& context
   j["flippedTriangles"] = result.folded_triangle_count;
   j["bytes"] = result.stream.bytes.size();
   j["headerBytes"] = result.stream.header_size;
+  if (result.colors) {
+    j["colors"] = {{"bytes", result.stream.color_size},
+                   {"psnrDb", result.colors->psnr_db},
+                   {"resolutionPsnrDb", result.colors->resolution_psnr_db},
+                   {"level", result.colors->finest_level},
+                   {"vertices", result.colors->vertex_count},
+                   {"lumaStep", result.colors->luma_step},
+                   {"met", result.colors->is_met}};
+  }
   const double vertices = static_cast<double>(result.condition.input_vertices);
   j["bitsPerVertex"] = vertices > 0 ? 8 * static_cast<double>(result.stream.bytes.size()) / vertices : 0.0;
   j["rmsError"] = result.error.rms;
@@ -119,6 +128,8 @@ std::string summary_line(const EncodeResult& result, const ReportContext& contex
   else
     line += fmt::format(" [asked: {} {:.4g}]",
                         context.target.kind == TargetKind::kRmsError ? "RMS" : "max", context.target.value);
+  if (result.colors)
+    line += fmt::format(", colours {:.1f} dB in {}", result.colors->psnr_db, human_bytes(result.stream.color_size));
   line += fmt::format(", first mesh at {}", human_bytes(result.stream.rows.front().end_offset));
   line += fmt::format(", {:.1f} s", context.seconds);
   return line;

@@ -58,15 +58,29 @@ RgbColor lit(const Vec3& albedo, double light) {
   return color;
 }
 
-Image shaded_panel(const TriangleMesh& mesh, const Camera& camera, int size) {
+/// The surface's own colour at a pixel, 0 ... 1.
+Vec3 own_color(const TriangleMesh& mesh, const VisibleSurface::Pixel& pixel) {
+  Vec3 sum;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& rgb = mesh.colors[mesh.triangles[pixel.triangle][i]];
+    sum += (pixel.barycentric[i] / 255.0) *
+           Vec3{static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2])};
+  }
+  return sum;
+}
+
+Image shaded_panel(const TriangleMesh& mesh, const Camera& camera, int size, bool shows_colors) {
   const VisibleSurface visible = rasterize(mesh, camera, size, size);
   const std::vector<Vec3> normals = vertex_normals(mesh);
+  const bool has_colors = shows_colors && !mesh.colors.empty();
   Image image(size, size, kPaper);
   parallel_for(visible.pixels.size(), [&](std::size_t i) {
     const VisibleSurface::Pixel& pixel = visible.pixels[i];
     if (pixel.triangle == VisibleSurface::kNothing) return;
+    const double light = brightness(seen_normal(mesh, normals, pixel), camera);
+    // Over a surface's own colours the shading is weak, as in the panel of distances.
     image.at(static_cast<int>(i) % size, static_cast<int>(i) / size) =
-        lit(kClay, brightness(seen_normal(mesh, normals, pixel), camera));
+        has_colors ? lit(own_color(mesh, pixel), 0.6 + 0.42 * light) : lit(kClay, light);
   });
   return reduce(image, kSupersampling);
 }
@@ -156,8 +170,8 @@ Image comparison_picture(const TriangleMesh& original, const TriangleMesh& resul
   const Camera camera = camera_around(original, from, options.up, fine_size, fine_size, fine_size / 40);
 
   Image image(3 * size, kCaptionHeight + size + kLegendHeight, kPaper);
-  image.paste(shaded_panel(original, camera, fine_size), 0, kCaptionHeight);
-  image.paste(shaded_panel(result, camera, fine_size), size, kCaptionHeight);
+  image.paste(shaded_panel(original, camera, fine_size, options.shows_colors), 0, kCaptionHeight);
+  image.paste(shaded_panel(result, camera, fine_size, options.shows_colors), size, kCaptionHeight);
   image.paste(error_panel(result, SurfaceIndex(original), camera, fine_size, scale_end), 2 * size,
               kCaptionHeight);
 

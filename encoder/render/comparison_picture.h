@@ -19,6 +19,8 @@ struct PictureOptions {
   Vec3 up = {0, 1, 0};
   /// Distance at the end of the colour scale in units; 0: a round number near three times the RMS.
   double scale_end = 0;
+  /// Surfaces that have colours of their own are shown in them.
+  bool shows_colors = true;
   std::string original_title = "original", result_title = "result";
 };
 

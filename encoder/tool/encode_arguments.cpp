@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoder/tool/encode_arguments.h"
 
+#include <fast_float/fast_float.h>
+
 #include <cmath>
 
 #include "encoder/core/error.h"
@@ -65,6 +67,10 @@ void declare_options(CLI::App& app, EncodeArguments& arguments) {
                  "auto: repair and report; none: refuse; strict: refuse any defect")
       ->check(CLI::IsMember({"auto", "none", "strict"}))
       ->capture_default_str();
+  app.add_option("--colour,--color", arguments.colour,
+                 "vertex colours: auto (38 dB), off, or the wanted ratio of signal to noise in dB, 20 ... 60.\n"
+                 "Typical: 34 preview, 38 web, 44 archive")
+      ->capture_default_str();
   app.add_flag("--keep-holes", arguments.keep_holes, "do not fill small holes");
   app.add_flag("--strict", arguments.strict, "a property of INPUT that is not kept is an error");
   app.add_option("--units", arguments.units, "units of INPUT, recorded: mm, cm, m, in, ft, km");
@@ -106,6 +112,16 @@ EncodeOptions options_of(const EncodeArguments& arguments) {
   options.condition.repair = arguments.repair == "none"     ? Repair::kNothing
                              : arguments.repair == "strict" ? Repair::kStrict
                                                             : Repair::kAuto;
+  if (arguments.colour == "off") {
+    options.color_psnr_db.reset();
+  } else if (arguments.colour != "auto") {
+    const char* const end = arguments.colour.data() + arguments.colour.size();
+    double decibels = 0;
+    const auto [rest, error] = fast_float::from_chars(arguments.colour.data(), end, decibels);
+    if (error != std::errc() || rest != end || !(decibels >= 20 && decibels <= 60))
+      throw Error(ExitCode::kUsage, "--colour " + arguments.colour + ": use auto, off or 20 ... 60 (dB)");
+    options.color_psnr_db = decibels;
+  }
   if (arguments.keep_holes) options.condition.small_hole_edges = 0;
   return options;
 }

@@ -21,7 +21,7 @@ struct EncodeArguments {
   std::optional<double> bits_per_vertex, quality;
   int effort = 5;
   std::optional<int> base, levels;
-  std::string domain = "general";
+  std::string domain = "general", colour = "auto";
   int layers = 1;
   double crease = 0;
   std::string repair = "auto", units, up, report, vertex_map, progress = "auto", memory_limit;

@@ -135,7 +135,8 @@ ExitCode encode_file(const EncodeArguments& arguments, const std::string& input_
   context.dropped_properties = input.dropped_properties;
   for (const VertexAttribute& attribute : input.attributes)
     context.dropped_properties.push_back(why_not_kept(attribute));
-  if (!input.colors.empty()) context.dropped_properties.emplace_back("vertex colours: not coded");
+  if (!input.colors.empty() && !result.colors)
+    context.dropped_properties.emplace_back("vertex colours: left out (--colour off)");
   context.target = options.target;
   context.thread_count = static_cast<int>(
       oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism));
@@ -177,6 +178,17 @@ ExitCode encode_file(const EncodeArguments& arguments, const std::string& input_
     for (const std::string& dropped : context.dropped_properties)
       fmt::print(stderr, "not kept: {}\n", dropped);
     fmt::print(stderr, "{}\n", summary_line(result, context));
+    if (result.colors && !result.colors->is_met) {
+      const double wanted = *options.color_psnr_db;
+      if (result.colors->resolution_psnr_db < wanted + 0.5) {
+        fmt::print(stderr,
+                   "colours: {:.1f} of the {:g} dB asked for: they vary faster than the {} vertices that carry them\n",
+                   result.colors->psnr_db, wanted, result.colors->vertex_count);
+      } else {
+        fmt::print(stderr, "colours: {:.1f} of the {:g} dB asked for: the size asked for leaves no more room\n",
+                   result.colors->psnr_db, wanted);
+      }
+    }
     if (!verdict.empty()) fmt::print(stderr, "{}\n", verdict);
   }
   if (target_met) return ExitCode::kOk;

@@ -483,6 +483,7 @@ nmc_status nmc_decoder_attribute(const nmc_decoder* decoder, uint32_t index, nmc
   attribute->component_count = static_cast<uint32_t>(descriptor.component_count);
   attribute->bit_count = static_cast<uint32_t>(descriptor.bit_count);
   attribute->finest_level = static_cast<uint32_t>(descriptor.finest_level);
+  attribute->byte_count = decoder->stream.attribute_size(static_cast<int>(index));
   attribute->levels_complete =
       static_cast<uint32_t>(decoder->stream.mesh().attribute(static_cast<int>(index)).next_level());
   return NMC_OK;

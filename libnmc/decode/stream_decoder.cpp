@@ -187,7 +187,10 @@ Status StreamDecoder::decode_layer() {
       mesh_is_lost_ = !mesh_.roll_back_layer();
       return fail(decoded, offset, frame.type);
     }
-    consumed_ += frame.head_size + payload_size + kChecksumSize;
+    const std::size_t chunk_size = frame.head_size + payload_size + kChecksumSize;
+    if (static_cast<ChunkType>(frame.type) == ChunkType::kAttribute)
+      attribute_size_[data[frame.head_size]] += chunk_size;
+    consumed_ += chunk_size;
   }
   if (!mesh_.has_base()) {
     return fail(corrupt("4.3", "the first layer has no base mesh"), layer_end_offset_);

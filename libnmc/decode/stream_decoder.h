@@ -73,6 +73,8 @@ class StreamDecoder {
   /// Values of attribute `index` at the vertices of `level`, into mesh().attribute(index). Legal as level_size;
   /// kState while no value of it has come.
   Status update_attribute(int index, int level);
+  /// Bytes of the chunks of attribute `index` so far.
+  std::uint64_t attribute_size(int index) const { return attribute_size_[index]; }
   /// Three vertex indices per face of `level`, 3 * face_count in all. Legal as level_size.
   Status read_indices(int level, std::uint32_t* indices);
 
@@ -102,6 +104,7 @@ class StreamDecoder {
   std::uint64_t header_size_ = 0;
   std::uint64_t layer_end_offset_ = 0;
   std::uint64_t layer_target_ = 0;  // stream offset at which the next row of the table is complete
+  std::uint64_t attribute_size_[kMaximumAttributeCount] = {};
   std::size_t layers_complete_ = 0;
   bool has_header_ = false, at_end_ = false;
   bool has_bytes_after_end_ = false, mesh_is_lost_ = false;

@@ -289,6 +289,7 @@ typedef struct nmc_attribute {
   uint32_t bit_count;       /* values are 0 ... 2^bit_count - 1 */
   uint32_t finest_level;    /* values are coded up to this level and interpolated beyond */
   uint32_t levels_complete; /* levels whose values have come: 0 at the beginning, finest_level + 1 at the end */
+  uint64_t byte_count;      /* of the chunks that brought them */
 } nmc_attribute;
 
 /* Attribute `index`, 0, 1, ... as long as the stream has one; NMC_ERR_ARGUMENT beyond. nmc_info.has_colors tells whether
