@@ -166,21 +166,23 @@ std::size_t Candidate::repair(double tolerance, int maximum_rounds, const Stream
   return result.initial_beyond;
 }
 
-StreamBytes Candidate::finish(const Trial& trial, const StreamDescription& description) {
+StreamBytes Candidate::finish(const Trial& trial, const StreamDescription& description,
+                              const ColorStream* colors) {
   const auto measure_level = [&](const std::vector<Vec3>& decoded, int level) {
     std::vector<Vec3> positions = decoded;
     for (Vec3& p : positions) p -= state_->reference->center;
     return measure(positions, level, 0);
   };
-  return code(trial, description, measure_level);
+  return code(trial, description, measure_level, colors);
 }
 
 StreamBytes Candidate::code(const Trial& trial, const StreamDescription& description,
-                            const MeasureLevel& measure_level) const {
+                            const MeasureLevel& measure_level, const ColorStream* colors) const {
   std::vector<const QuantizedMesh*> layers;
   for (const QuantizedMesh& layer : trial.coarser_layers) layers.push_back(&layer);
   layers.push_back(&trial.mesh);
-  return serialize(layers, trial.layer_ratio, hierarchy(), base_creases(), trial.steps, description, measure_level);
+  return serialize(layers, trial.layer_ratio, hierarchy(), base_creases(), trial.steps, description, measure_level,
+                   colors);
 }
 
 }  // namespace nmc

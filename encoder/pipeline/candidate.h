@@ -89,14 +89,15 @@ class Candidate {
   std::size_t repair(double tolerance, int maximum_rounds, const StreamDescription& description,
                      const TrialOptions& options, Trial& trial) const;
 
-  /// The final stream of a trial, all rows measured.
-  StreamBytes finish(const Trial& trial, const StreamDescription& description);
+  /// The final stream of a trial, all rows measured, with `colors` where there are any.
+  StreamBytes finish(const Trial& trial, const StreamDescription& description, const ColorStream* colors = nullptr);
 
   /// Distance between the input and the given vertices of a level, both ways.
   MeasuredError measure(const std::vector<Vec3>& positions, int level, std::size_t sample_count) const;
 
  private:
-  StreamBytes code(const Trial& trial, const StreamDescription& description, const MeasureLevel& measure_level) const;
+  StreamBytes code(const Trial& trial, const StreamDescription& description, const MeasureLevel& measure_level,
+                   const ColorStream* colors = nullptr) const;
   /// Size and error of trial.mesh.
   void assess(const StreamDescription& description, const TrialOptions& options, Trial& trial) const;
 

@@ -77,6 +77,9 @@ SearchPlan plan_of(int effort) {
 
 constexpr std::size_t kLargestBase = 60000;
 
+/// Of a size that geometry and colours share. Colours that need less leave the rest unused.
+constexpr double kGeometryShare = 0.5;
+
 /// Share of the inner edges whose faces meet at more than 30 degrees. A scan has a few percent of them at most, and
 /// noise; a machine part has many along its creases.
 double sharp_edge_share(const TriangleMesh& mesh) {
@@ -111,7 +114,9 @@ double sharp_edge_share(const TriangleMesh& mesh) {
 class MeshEncoder {
  public:
   MeshEncoder(const TriangleMesh& input, const EncodeOptions& options)
-      : input_(input), options_(options), plan_(plan_of(options.effort)), clock_(result_.times) {}
+      : input_(input), options_(options), plan_(plan_of(options.effort)), clock_(result_.times) {
+    if (has_colors() && options.target.kind == TargetKind::kSize) options_.target.value *= kGeometryShare;
+  }
 
   EncodeResult run() {
     prepare();
@@ -386,6 +391,29 @@ class MeshEncoder {
     }
   }
 
+  bool has_colors() const { return options_.color_psnr_db && !input_.colors.empty(); }
+
+  /// Colours for the finest state of `outcome`; of a size the geometry has taken its share already.
+  std::optional<ColorResult> colors_of(const Outcome& outcome) {
+    if (!has_colors()) return std::nullopt;
+    clock_.start("colours");
+    report(options_.progress, "colours", 0);
+    ColorOptions colors;
+    colors.psnr_db = *options_.color_psnr_db;
+    if (asked_target_.kind == TargetKind::kSize) {
+      constexpr double kFraming = 100;  // the attribute's part of the header, and its chunks' heads
+      colors.maximum_bytes =
+          std::max(0.0, asked_target_.value - static_cast<double>(outcome.trial.byte_count) - kFraming);
+    }
+    const SubdivisionHierarchy& hierarchy = outcome.candidate->hierarchy();
+    ColorResult result =
+        code_colors(hierarchy, reconstruct(outcome.trial.mesh, hierarchy, hierarchy.level_count()),
+                    *reference_.index, input_.colors, colors);
+    result_.colors = result.report;
+    clock_.start("final measurement");
+    return result;
+  }
+
   void finish() {
     clock_.start("final measurement");
     report(options_.progress, "final measurement", 0);
@@ -407,8 +435,10 @@ class MeshEncoder {
       final_trial = best_.trial;
       final_trial.error = result_.error;
     }
+    if (const std::optional<ColorResult> colors = colors_of(best_))
+      result_.stream = best_.candidate->finish(best_.trial, description_, &colors->stream);
     final_trial.byte_count = result_.stream.bytes.size();
-    result_.target_met = target_ratio(options_.target, final_trial) <= 1;
+    result_.target_met = target_ratio(asked_target_, final_trial) <= 1;
     if (best_.parameterization) {  // the sphere's map was proven when it was made
       const Certificate certificate = certify(*best_.parameterization);
       result_.folded_triangle_count = certificate.flipped + certificate.degenerate;
@@ -416,7 +446,8 @@ class MeshEncoder {
   }
 
   const TriangleMesh& input_;
-  const EncodeOptions& options_;
+  EncodeOptions options_;
+  const Target asked_target_ = options_.target;
   SearchPlan plan_;
   EncodeResult result_;
   StageClock clock_;
