@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fallible, counted memory. Nothing in libnmc allocates in any other way, so a limit on bytes is a limit on all
-// bytes, and a failed allocation is a status, never an abort.
+// Fallible, counted memory. Nothing in libnmc allocates in any other way, so a limit on bytes is a limit on
+// all bytes, and a failed allocation is a status, never an abort.
 #ifndef NMC_COMMON_MEMORY_H_
 #define NMC_COMMON_MEMORY_H_
 
@@ -20,7 +20,8 @@ class Memory {
   using ReleaseFunction = void (*)(void* user, void* pointer);
 
   Memory() = default;
-  Memory(AllocateFunction allocate_function, ReleaseFunction release_function, void* user, std::uint64_t limit)
+  Memory(AllocateFunction allocate_function, ReleaseFunction release_function, void* user,
+         std::uint64_t limit)
       : allocate_(allocate_function), release_(release_function), user_(user), limit_(limit) {}
 
   /// Null when the limit would be passed or the allocation function fails; `limit_reached()` tells which.
@@ -60,6 +61,36 @@ class Memory {
   bool limit_reached_ = false;
 };
 
+// The part of an array that is the same for all types, and seldom run: not to be repeated wherever one is
+// used.
+namespace memory_internal {
+
+#if defined(__GNUC__)
+#define NMC_SELDOM [[gnu::noinline]] [[gnu::cold]]
+#else
+#define NMC_SELDOM
+#endif
+
+NMC_SELDOM inline void release(Memory* memory, void* data, std::size_t size) {
+  if (memory)
+    memory->release(data, size);
+  else
+    std::free(data);
+}
+
+/// `new_size` bytes that begin with the first `used` of `data`, whose `old_size` are given back; null, and
+/// nothing changed, when they are not to be had.
+NMC_SELDOM inline void* grown(Memory* memory, void* data, std::size_t used, std::size_t old_size,
+                              std::size_t new_size) {
+  void* pointer = memory ? memory->allocate(new_size) : std::malloc(new_size);
+  if (!pointer) return nullptr;
+  if (used) std::memcpy(pointer, data, used);
+  release(memory, data, old_size);
+  return pointer;
+}
+
+}  // namespace memory_internal
+
 /// A growable array of trivially copyable elements whose growth can fail. New elements are zero bytes.
 /// Move-only. A default-constructed array allocates with malloc and has no limit.
 template <class T>
@@ -88,14 +119,10 @@ class Array {
   [[nodiscard]] bool reserve(std::size_t count) {
     if (count <= capacity_) return true;
     if (count > ~std::size_t{0} / 2 / sizeof(T)) return false;
-    const std::size_t size = count * sizeof(T);
-    void* pointer = memory_ ? memory_->allocate(size) : std::malloc(size);
+    void* pointer =
+        memory_internal::grown(memory_, data_, size_ * sizeof(T), capacity_ * sizeof(T), count * sizeof(T));
     if (!pointer) return false;
-    if (size_) std::memcpy(pointer, static_cast<const void*>(data_), size_ * sizeof(T));
-    const std::size_t kept = size_;
-    release();
     data_ = static_cast<T*>(pointer);
-    size_ = kept;
     capacity_ = count;
     return true;
   }
@@ -112,9 +139,9 @@ class Array {
     for (std::size_t i = 0; i < count; ++i) data_[i] = value;
     return true;
   }
-  /// Appends `count` elements from `values`, which must not lie in this array. Capacity at least doubles when it has
-  /// to grow and memory allows, so many small pieces cost linear time. False, and nothing changed, when memory is not
-  /// to be had.
+  /// Appends `count` elements from `values`, which must not lie in this array. Capacity at least doubles when
+  /// it has to grow and memory allows, so many small pieces cost linear time. False, and nothing changed,
+  /// when memory is not to be had.
   [[nodiscard]] bool append(const T* values, std::size_t count) {
     if (count > ~std::size_t{0} / 4 / sizeof(T) || size_ > ~std::size_t{0} / 4 / sizeof(T)) return false;
     const std::size_t needed = size_ + count;
@@ -131,10 +158,7 @@ class Array {
   void clear() { size_ = 0; }
   /// Gives the memory back.
   void release() {
-    if (memory_)
-      memory_->release(data_, capacity_ * sizeof(T));
-    else
-      std::free(data_);
+    memory_internal::release(memory_, data_, capacity_ * sizeof(T));
     data_ = nullptr;
     size_ = capacity_ = 0;
   }

@@ -47,19 +47,21 @@ class DetailReader {
   Vec3 displaced(std::uint32_t edge, Vec3 p, const Normal& normal) {
     if (!normal_) return p;
     const std::int32_t c = normal_[edge];
-    if (tangential_ != tangential_end_ && tangential_->edge == edge) {
-      const LocalFrame frame = odd_vertex_frame(coarse_, edge, positions_);
-      p = p + (static_cast<double>(c) * quantizer_.normal_step) * frame.normal;
-      p = p + (static_cast<double>(tangential_->along) * quantizer_.tangential_step) * frame.along;
-      p = p + (static_cast<double>(tangential_->across) * quantizer_.tangential_step) * frame.across;
-      ++tangential_;
-    } else if (c != 0) {
-      p = p + (static_cast<double>(c) * quantizer_.normal_step) * normal();
-    }
+    if (tangential_ != tangential_end_ && tangential_->edge == edge) return displaced_sideways(edge, c, p);
+    if (c != 0) p = p + (static_cast<double>(c) * quantizer_.normal_step) * normal();
     return p;
   }
 
  private:
+  NMC_SELDOM Vec3 displaced_sideways(std::uint32_t edge, std::int32_t c, Vec3 p) {
+    const LocalFrame frame = odd_vertex_frame(coarse_, edge, positions_);
+    p = p + (static_cast<double>(c) * quantizer_.normal_step) * frame.normal;
+    p = p + (static_cast<double>(tangential_->along) * quantizer_.tangential_step) * frame.along;
+    p = p + (static_cast<double>(tangential_->across) * quantizer_.tangential_step) * frame.across;
+    ++tangential_;
+    return p;
+  }
+
   const LevelTopology& coarse_;
   const LevelQuantizer& quantizer_;
   const Vec3* positions_;

@@ -13,7 +13,7 @@ struct DirectedEdge {
 };
 
 /// Numbers the edges of level 0 by first visit and finds the face on their other side.
-Status number_base_edges(LevelTopology& topology, Memory* memory) {
+NMC_SELDOM Status number_base_edges(LevelTopology& topology, Memory* memory) {
   const std::uint32_t slot_count = 3 * topology.face_count;
   Array<DirectedEdge> sorted(memory);
   if (!sorted.resize(slot_count)) return no_memory();
@@ -65,7 +65,7 @@ Status number_base_edges(LevelTopology& topology, Memory* memory) {
 }
 
 /// One umbrella per vertex: walking from one face around the vertex must meet all of its faces.
-Status check_umbrellas(const LevelTopology& topology, Memory* memory) {
+NMC_SELDOM Status check_umbrellas(const LevelTopology& topology, Memory* memory) {
   Array<std::uint32_t> valence(memory), first_face(memory);
   if (!valence.resize(topology.vertex_count) || !first_face.assign(topology.vertex_count, kNone)) {
     return no_memory();
@@ -114,7 +114,7 @@ void add_curve_edge(std::uint32_t vertex, std::uint32_t edge, LevelTopology& top
 
 }  // namespace
 
-Status build_base_topology(const std::uint32_t* face_vertices, std::uint32_t face_count,
+NMC_SELDOM Status build_base_topology(const std::uint32_t* face_vertices, std::uint32_t face_count,
                            std::uint32_t vertex_count, Memory* memory, LevelTopology& topology) {
   if (face_count > kNone / 4 || vertex_count > kNone / 4) {
     return {StatusCode::kLimit, "8", "the base mesh is too large"};
@@ -136,7 +136,7 @@ Status build_base_topology(const std::uint32_t* face_vertices, std::uint32_t fac
   return set_creases(nullptr, topology);
 }
 
-Status set_creases(const std::uint8_t* is_crease, LevelTopology& topology) {
+NMC_SELDOM Status set_creases(const std::uint8_t* is_crease, LevelTopology& topology) {
   bool any = false;
   for (std::uint32_t e = 0; e < topology.edge_count && !any; ++e)
     any = topology.is_boundary(e) || (is_crease && is_crease[e]);
