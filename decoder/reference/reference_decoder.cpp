@@ -7,10 +7,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <memory>
 #include <utility>
+
+#include "decoder/reference/trained_tables.h"
 
 namespace nmc_reference {
 
@@ -270,6 +273,12 @@ struct Mixer {  // 5.2.2
   std::vector<i64> weight;
   i64 rate = 800;
 
+  void start_trained(int row, int input_count) {  // D.3
+    weight.clear();
+    for (int i = 0; i <= input_count; ++i) weight.push_back(512 * i64{kTrainedWeights[row][i]});
+    rate = 300;
+  }
+
   int decode(ArithmeticDecoder& code, const std::vector<AdaptiveBit*>& inputs, u32 limit) {
     const std::size_t m = inputs.size();
     if (weight.empty()) {
@@ -293,6 +302,45 @@ struct Mixer {  // 5.2.2
     for (AdaptiveBit* input : inputs) input->update(bit, limit);
     return bit;
   }
+};
+
+/// The states of D.1 and D.2 in their order: a letter is a trained state, a number that many untrained ones.
+class TrainedStates {
+ public:
+  explicit TrainedStates(const char* text) : at_(text) {}
+
+  /// A table of states for each of `level_count` levels; only the first `told_apart` have letters of their own.
+  void start(AdaptiveBit* states, int count, int level_count = 1, int told_apart = 1) {
+    for (int i = 0; i < level_count * count; ++i) {
+      if (i < told_apart * count)
+        states[i] = next();
+      else
+        states[i] = states[i - count];
+    }
+  }
+
+ private:
+  AdaptiveBit next() {
+    AdaptiveBit bit;
+    if (untrained_ == 0 && *at_ >= '0' && *at_ <= '9') {
+      char* end = nullptr;
+      untrained_ = std::strtol(at_, &end, 10);
+      at_ = end;
+    }
+    if (untrained_ > 0) {
+      --untrained_;
+      return bit;
+    }
+    constexpr char kAlphabet[] =
+        "!#$%&'()*+,-./:;<=>?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[]^_abcdefghijklmnopqrstuvwxyz{|}~";
+    const int letter = static_cast<int>(std::strchr(kAlphabet, *at_++) - kAlphabet) - 40;
+    bit.p = i64{squash(51 * letter)} << 6;
+    bit.n = 30;
+    return bit;
+  }
+
+  const char* at_;
+  long untrained_ = 0;
 };
 
 struct Number {  // 5.2.3
@@ -451,6 +499,19 @@ struct BaseMeshDecoder {
   AdaptiveBit length[3][40], below_leading[40], sign[3][3];
   Number correction;
   AdaptiveBit correction_sign;
+
+  BaseMeshDecoder() {  // D.1
+    TrainedStates states(kTrainedBaseStates);
+    states.start(&is_new[0][0], 100);
+    for (AdaptiveBit* row : {is_new_u, is_new_v, is_left, is_right}) states.start(row, 10);
+    states.start(is_boundary, 3);
+    states.start(&is_near, 1);
+    states.start(&side, 1);
+    states.start(&length[0][0], 120);
+    states.start(below_leading, 40);
+    states.start(&sign[0][0], 9);
+    is_new_mixer.start_trained(11, 3);
+  }
 
   enum class State { kOpen, kBoundary, kGone };
   struct BorderEdge {
@@ -727,6 +788,44 @@ struct GeometryDecoder {
   SignedNumber curve_across[3];
   Number tangential_count[2], gap;
   SignedNumber along, across;
+
+  GeometryDecoder() {  // D.2
+    TrainedStates states(kTrainedCoefficientStates);
+    SignificanceStates& zero = significance[0];
+    states.start(&zero.by_energy[0][0][0], 44, 8, 3);
+    states.start(&zero.by_neighbours[0][0], 1296, 8, 1);
+    states.start(&zero.by_parents[0][0][0], 121, 8, 3);
+    states.start(&zero.by_far_ring[0][0], 132);
+    states.start(&zero.by_run[0][0], 11, 8, 3);
+    states.start(&zero.by_all[0][0][0], 1452);
+    states.start(&zero.by_sibling[0][0][0][0], 220, 8, 3);
+    SignStates& signs = sign[0];
+    states.start(&signs.by_neighbours[0], 9);
+    states.start(&signs.by_parents[0][0], 5, 8, 1);
+    states.start(&signs.by_opposite[0][0], 25);
+    states.start(&signs.by_signed[0][0][0], 150);
+    states.start(&signs.by_all[0][0][0], 225);
+    states.start(&signs.by_sibling[0][0], 15);
+    MagnitudeStates& more = magnitude[0];
+    states.start(&more.by_energy[0][0], 154);
+    states.start(&more.by_far_ring[0][0], 168);
+    states.start(&more.by_parents[0][0][0], 154, 8, 3);
+    states.start(&more.by_largest[0][0], 98);
+    states.start(&more.by_level_energy[0][0][0], 154, 8, 3);
+    states.start(&more.by_sib[0][0][0], 140);
+    for (BlockStates* open : {&half_blocks[0], &inner_blocks[0]}) {
+      states.start(&open->by_run[0][0], 11, 8, 3);
+      states.start(&open->by_around[0][0], 110);
+      states.start(&open->by_corners[0][0][0], 22, 8, 3);
+      states.start(&open->by_last[0][0][0], 40, 8, 3);
+    }
+    for (auto& kinds : zero.mixer)  // D.3
+      for (int kind = 0; kind < 4; ++kind) kinds[kind].start_trained(kind, 7);
+    for (int kind = 0; kind < 2; ++kind) signs.mixer[kind].start_trained(4 + kind, 6);
+    for (int m = 0; m < 14; ++m) more.mixer[m].start_trained(6 + std::min(m, 2), 6);
+    for (Mixer& mixer : half_blocks[0].mixer) mixer.start_trained(9, 4);
+    for (Mixer& mixer : inner_blocks[0].mixer) mixer.start_trained(10, 4);
+  }
 
   // The level at hand.
   int level_class = 0;

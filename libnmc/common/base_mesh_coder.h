@@ -45,11 +45,23 @@ class FaceLookup {
 
 class BaseMeshModel {
  public:
+  /// Starts trained (spec appendix D).
+  BaseMeshModel();
+  /// Knows nothing: where the training starts from.
+  void reset_untrained();
+  /// As in CoefficientModel.
+  template <class Visit>
+  void visit_trained_states(Visit&& visit);
+  template <class Visit>
+  void visit_trained_mixers(Visit&& visit) {
+    visit(kMixIsNew, 3, is_new_mixer_);
+  }
+
   /// Codes connectivity. Counts are known to both sides. The decoder fills mesh.face_vertices; the encoder
   /// passes `lookup` and gets in `old_index` which of its vertices became vertex 0, 1, ... and in
   /// mesh.face_vertices the faces as the decoder will see them. Fails with kCorrupt on impossible symbols.
   template <class Coder>
-  Status code_connectivity(Coder& coder, Memory* memory, const FaceLookup* lookup,
+  NMC_SELDOM Status code_connectivity(Coder& coder, Memory* memory, const FaceLookup* lookup,
                            const std::uint32_t* component_seeds, BaseMesh& mesh,
                            Array<std::uint32_t>& old_index);
 
@@ -57,17 +69,17 @@ class BaseMeshModel {
   /// share of the parallelograms in the prediction (0 ... 7 quarters) beforehand; the stream holds it.
   void set_parallelogram_share(std::uint32_t quarters) { parallelogram_share_ = quarters; }
   template <class Coder>
-  Status code_coordinates(Coder& coder, Memory* memory, const LevelTopology& topology, BaseMesh& mesh);
+  NMC_SELDOM Status code_coordinates(Coder& coder, Memory* memory, const LevelTopology& topology, BaseMesh& mesh);
 
   /// Codes corrections to the coordinates: value = previous * ratio + correction. `previous` is already
   /// multiplied.
   template <class Coder>
-  Status code_corrections(Coder& coder, const std::int32_t* previous, std::uint32_t value_count,
+  NMC_SELDOM Status code_corrections(Coder& coder, const std::int32_t* previous, std::uint32_t value_count,
                           std::int32_t* values);
 
   /// Codes one crease bit per inner edge of level 0.
   template <class Coder>
-  Status code_creases(Coder& coder, Memory* memory, const LevelTopology& topology, BaseMesh& mesh);
+  NMC_SELDOM Status code_creases(Coder& coder, Memory* memory, const LevelTopology& topology, BaseMesh& mesh);
 
  private:
   static constexpr int kDegreeClasses = 10;
@@ -77,7 +89,6 @@ class BaseMeshModel {
   AdaptiveBit is_left_[kDegreeClasses], is_right_[kDegreeClasses], is_boundary_[3];
   AdaptiveBit is_near_, near_side_;
   NumberModel near_distance_;
-  bool ready_ = false;
 
   AdaptiveBit length_[3][40], top_bit_[40], sign_[3][3];
   std::uint32_t parallelogram_share_ = 3;  // in quarters, 0 ... 7
@@ -86,6 +97,21 @@ class BaseMeshModel {
   NumberModel correction_;
   AdaptiveBit correction_sign_;
 };
+
+template <class Visit>
+void BaseMeshModel::visit_trained_states(Visit&& visit) {
+  visit(&is_new_[0][0], kDegreeClasses * kDegreeClasses, 1, 1);
+  visit(&is_new_by_u_[0], kDegreeClasses, 1, 1);
+  visit(&is_new_by_v_[0], kDegreeClasses, 1, 1);
+  visit(&is_left_[0], kDegreeClasses, 1, 1);
+  visit(&is_right_[0], kDegreeClasses, 1, 1);
+  visit(&is_boundary_[0], 3, 1, 1);
+  visit(&is_near_, 1, 1, 1);
+  visit(&near_side_, 1, 1, 1);
+  visit(&length_[0][0], 120, 1, 1);
+  visit(&top_bit_[0], 40, 1, 1);
+  visit(&sign_[0][0], 9, 1, 1);
+}
 
 }  // namespace nmc
 

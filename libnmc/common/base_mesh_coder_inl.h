@@ -83,10 +83,6 @@ Status BaseMeshModel::code_connectivity(Coder& coder, Memory* memory, const Face
                                         Array<std::uint32_t>& old_index) {
   using namespace base_mesh_internal;
   using coefficient_internal::code_adaptive;
-  if (!ready_) {
-    is_new_mixer_.reset(3);
-    ready_ = true;
-  }
   const bool encoding = lookup != nullptr;
   if (!mesh.face_vertices.resize(std::size_t{3} * mesh.face_count)) return no_memory();
   Array<BorderEdge> border(memory);

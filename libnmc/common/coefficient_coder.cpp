@@ -4,6 +4,12 @@
 namespace nmc {
 
 void CoefficientModel::reset() {
+  reset_untrained();
+  visit_trained_states(TrainedStateReader(kTrainedCoefficientStates));
+  visit_trained_mixers(set_trained_weights);
+}
+
+void CoefficientModel::reset_untrained() {
   for (int layer = 0; layer < 2; ++layer) {
     significance_[layer] = {};
     sign_[layer] = {};

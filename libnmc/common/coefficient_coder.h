@@ -18,6 +18,7 @@
 #include "libnmc/common/reconstruct.h"
 #include "libnmc/common/status.h"
 #include "libnmc/common/subdivision.h"
+#include "libnmc/common/trained_states.h"
 
 namespace nmc {
 
@@ -48,8 +49,19 @@ class NumberModel {
 /// ended.
 class CoefficientModel {
  public:
+  /// Starts trained (spec appendix D).
   CoefficientModel() { reset(); }
   void reset();
+  /// Knows nothing: where the training starts from.
+  void reset_untrained();
+
+  /// visit(first state, states per level, levels, levels told apart) for every table that starts trained, in the
+  /// order of spec appendix D.
+  template <class Visit>
+  void visit_trained_states(Visit&& visit);
+  /// visit(row, number of inputs, weights) for every mixer that starts trained.
+  template <class Visit>
+  void visit_trained_mixers(Visit&& visit);
 
   /// Codes the detail of the odd vertices of level `level` of `topology` (one per edge), in the order of the
   /// edges. `coarse` is the level below, null for level 0: it tells which edges lie together, and where all
@@ -168,6 +180,49 @@ class CoefficientModel {
   NumberModel curve_across_[3];
   AdaptiveBit curve_across_sign_[3];
 };
+
+template <class Visit>
+void CoefficientModel::visit_trained_states(Visit&& visit) {
+  SignificanceStates& zero = significance_[0];
+  visit(&zero.by_energy[0][0][0], kKindCount * 11, kLevelClasses, kTrainedLevels);
+  visit(&zero.by_neighbours[0][0], 1296, kLevelClasses, 1);
+  visit(&zero.by_parents[0][0][0], 121, kLevelClasses, kTrainedLevels);
+  visit(&zero.by_far_ring[0][0], 132, 1, 1);
+  visit(&zero.by_run[0][0], 11, kLevelClasses, kTrainedLevels);
+  visit(&zero.by_all[0][0][0], 1452, 1, 1);
+  visit(&zero.by_sibling[0][0][0][0], kKindCount * 55, kLevelClasses, kTrainedLevels);
+  SignStates& sign = sign_[0];
+  visit(&sign.by_neighbours[0], 9, 1, 1);
+  visit(&sign.by_parents[0][0], 5, kLevelClasses, 1);
+  visit(&sign.by_opposite[0][0], 25, 1, 1);
+  visit(&sign.by_signed[0][0][0], 150, 1, 1);
+  visit(&sign.by_all[0][0][0], 225, 1, 1);
+  visit(&sign.by_sibling[0][0], 15, 1, 1);
+  MagnitudeStates& more = magnitude_[0];
+  visit(&more.by_energy[0][0], 11 * kUnary, 1, 1);
+  visit(&more.by_far_ring[0][0], 12 * kUnary, 1, 1);
+  visit(&more.by_parents[0][0][0], 11 * kUnary, kLevelClasses, kTrainedLevels);
+  visit(&more.by_largest[0][0], 7 * kUnary, 1, 1);
+  visit(&more.by_level_energy[0][0][0], 11 * kUnary, kLevelClasses, kTrainedLevels);
+  visit(&more.by_sib[0][0][0], 10 * kUnary, 1, 1);
+  for (BlockStates* open : {&half_blocks_[0], &inner_blocks_[0]}) {
+    visit(&open->by_run[0][0], 11, kLevelClasses, kTrainedLevels);
+    visit(&open->by_around[0][0], 110, 1, 1);
+    visit(&open->by_corners[0][0][0], 22, kLevelClasses, kTrainedLevels);
+    visit(&open->by_last[0][0][0], 40, kLevelClasses, kTrainedLevels);
+  }
+}
+
+template <class Visit>
+void CoefficientModel::visit_trained_mixers(Visit&& visit) {
+  const auto row = [](int first, int i) { return static_cast<TrainedMixer>(first + i); };
+  for (auto& kinds : significance_[0].mixer)
+    for (int kind = 0; kind < kKindCount; ++kind) visit(row(kMixSignificance, kind), 7, kinds[kind]);
+  for (int kind = 0; kind < 2; ++kind) visit(row(kMixSign, kind), 6, sign_[0].mixer[kind]);
+  for (int m = 0; m < kUnary; ++m) visit(row(kMixMagnitude, m < 2 ? m : 2), 6, magnitude_[0].mixer[m]);
+  for (MixerWeights& weights : half_blocks_[0].mixer) visit(kMixHalfBlock, 4, weights);
+  for (MixerWeights& weights : inner_blocks_[0].mixer) visit(kMixInnerBlock, 4, weights);
+}
 
 }  // namespace nmc
 

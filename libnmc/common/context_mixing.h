@@ -92,7 +92,7 @@ inline int stretch(std::uint32_t probability_16) {
 }
 
 /// The inverse: a 16-bit probability in [22, 65514] for x in 1/256, clamped to [-2047, 2047].
-inline std::uint32_t squash(int x) {
+constexpr std::uint32_t squash(int x) {
   using mixing_internal::kSquash;
   if (x > 2047) x = 2047;
   if (x < -2047) x = -2047;
