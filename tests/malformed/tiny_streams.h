@@ -9,7 +9,7 @@
 
 namespace nmc::test {
 
-/// Three small streams that together use all that the format has.
+/// Four small streams that together use all that the format has.
 inline std::vector<GeneratedStream> tiny_streams() {
   StreamRecipe closed;
   closed.name = "closed, two levels";
@@ -32,7 +32,14 @@ inline std::vector<GeneratedStream> tiny_streams() {
   handles.has_ancillary_chunks = true;
   handles.one_layer_per_chunk = false;
   handles.seed = 5;
-  return {generate(closed), generate(layered), generate(handles)};
+
+  StreamRecipe coloured;
+  coloured.name = "disk with colours and another attribute";
+  coloured.base = fan(5, true);
+  coloured.level_count = 2;
+  coloured.attribute_count = 2;
+  coloured.seed = 3;
+  return {generate(closed), generate(layered), generate(handles), generate(coloured)};
 }
 
 }  // namespace nmc::test

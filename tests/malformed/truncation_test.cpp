@@ -22,6 +22,11 @@ TEST_CASE("truncation: every prefix gives exactly the rows that the table promis
           "[malformed][truncation]") {
   std::vector<GeneratedStream> streams = tiny_streams();
   for (std::uint64_t seed = 1; seed <= 8; ++seed) streams.push_back(generate(random_recipe(seed)));
+  for (std::uint64_t seed = 9; seed <= 12; ++seed) {
+    StreamRecipe recipe = random_recipe(seed);
+    recipe.attribute_count = static_cast<int>(seed % 4) + 1;
+    streams.push_back(generate(recipe));
+  }
   for (const GeneratedStream& stream : streams) {
     for (std::size_t size = 0; size < stream.bytes.size(); ++size) {
       const Decoding decoding = decode({stream.bytes.data(), size});
@@ -32,6 +37,7 @@ TEST_CASE("truncation: every prefix gives exactly the rows that the table promis
       for (std::size_t i = 0; i < decoding.layers.size(); ++i) {
         REQUIRE(decoding.layers[i].state_hash == stream.layers[i].state_hash);
         REQUIRE(decoding.layers[i].position_hash == stream.layers[i].position_hash);
+        REQUIRE(decoding.layers[i].attribute_hashes == stream.layers[i].attribute_hashes);
       }
     }
   }

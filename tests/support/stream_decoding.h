@@ -20,6 +20,7 @@ namespace nmc::test {
 struct DecodedLayer {
   std::uint32_t index = 0, level = 0;
   std::uint64_t end_offset = 0, state_hash = 0, position_hash = 0;
+  std::vector<std::uint64_t> attribute_hashes = {};  // 0 for attributes that have not come
   bool operator==(const DecodedLayer&) const = default;
 };
 
@@ -40,7 +41,8 @@ struct Decoding {
 
 inline std::ostream& operator<<(std::ostream& out, const DecodedLayer& layer) {
   return out << "row " << layer.index << " level " << layer.level << " end " << layer.end_offset << std::hex
-             << " state " << layer.state_hash << " positions " << layer.position_hash << std::dec;
+             << " state " << layer.state_hash << " positions " << layer.position_hash << std::dec
+             << (layer.attribute_hashes.empty() ? "" : " and attributes");
 }
 
 inline std::ostream& operator<<(std::ostream& out, const Decoding& decoding) {
@@ -61,6 +63,18 @@ inline bool mesh_is_sound(nmc_decoder* decoder, std::uint32_t level) {
   const nmc_status read[3] = {nmc_decoder_read_indices(decoder, level, indices.data(), indices.size()),
                               nmc_decoder_read_positions(decoder, level, positions.data(), 12, vertex_count),
                               nmc_decoder_read_normals(decoder, level, normals.data(), 12, vertex_count)};
+  std::vector<std::uint8_t> colors(std::size_t{4} * vertex_count);
+  std::vector<std::uint16_t> values(std::size_t{4} * vertex_count);
+  const nmc_status colored = nmc_decoder_read_colors(decoder, level, colors.data(), 4, 4, vertex_count);
+  if (colored == NMC_ERR_CORRUPT || colored == NMC_ERR_ARGUMENT) return false;
+  nmc_attribute attribute{};
+  for (std::uint32_t i = 0; nmc_decoder_attribute(decoder, i, &attribute) == NMC_OK; ++i) {
+    if (nmc_decoder_read_attribute(decoder, i, level, values.data(), 8, vertex_count) != NMC_OK) continue;
+    for (std::size_t v = 0; v < vertex_count; ++v) {
+      for (std::size_t c = 0; c < attribute.component_count; ++c)
+        if (values[4 * v + c] >> attribute.bit_count != 0) return false;
+    }
+  }
   for (const nmc_status status : read) {
     if (status == NMC_ERR_LIMIT || status == NMC_ERR_NO_MEMORY) return true;
     if (status != NMC_OK) return false;
@@ -87,6 +101,11 @@ inline nmc_status drain(nmc_decoder* decoder, Decoding& decoding, bool reads_mes
     layer.end_offset = row.end_offset;
     nmc_decoder_state_hash(decoder, &layer.state_hash);
     nmc_decoder_position_hash(decoder, row.level, &layer.position_hash);
+    nmc_attribute attribute{};
+    for (std::uint32_t i = 0; nmc_decoder_attribute(decoder, i, &attribute) == NMC_OK; ++i) {
+      layer.attribute_hashes.push_back(0);
+      nmc_decoder_attribute_hash(decoder, i, row.level, &layer.attribute_hashes.back());
+    }
     decoding.layers.push_back(layer);
   }
   return status;

@@ -20,7 +20,8 @@ struct ExpectedLayer {
   std::uint64_t end_offset = 0;
   int level = 0;
   std::uint64_t state_hash = 0;
-  std::uint64_t position_hash = 0;  // at `level`
+  std::uint64_t position_hash = 0;                   // at `level`
+  std::vector<std::uint64_t> attribute_hashes = {};  // at `level`; 0 for attributes that have not come
 };
 
 struct GeneratedStream {
@@ -49,6 +50,8 @@ struct StreamRecipe {
   bool has_ancillary_chunks = false;
   bool one_layer_per_chunk = true;
   bool has_tensions = false;
+  /// Attributes of random shape; the first is a colour of eight bits.
+  int attribute_count = 0;
   std::uint64_t seed = 1;
 };
 
@@ -69,6 +72,7 @@ class StreamGenerator {
                         : static_cast<int>(random_.between(1, header_.level_count - level));
         write_levels(layer, level, count);
         level += count;
+        write_attributes(level);
         if (recipe_.one_layer_per_chunk || level == header_.level_count || random_.chance(0.5)) {
           end_layer(layer == 0 ? level : header_.level_count);
         }
@@ -107,6 +111,51 @@ class StreamGenerator {
     }
     header_.tangential_code = header_.level_count > 0 ? 80 : 0;
     header_.has_creases = recipe_.has_creases;
+    header_.attribute_count = recipe_.attribute_count;
+    for (int i = 0; i < recipe_.attribute_count; ++i) fill_attribute(i, header_.attributes[i]);
+  }
+
+  void fill_attribute(int index, AttributeDescriptor& attribute) {
+    if (index > 0) {
+      attribute.kind = static_cast<std::uint8_t>(random_.between(64, 255));
+      attribute.component_count = static_cast<int>(random_.between(1, 4));
+      attribute.bit_count = static_cast<int>(random_.between(1, 14));
+    }
+    attribute.is_decorrelated = attribute.component_count >= 3 && (index == 0 || random_.chance(0.5));
+    attribute.finest_level =
+        index == 0 ? header_.level_count : static_cast<int>(random_.below(header_.level_count + 1));
+    for (int l = 0; l <= attribute.finest_level; ++l) {
+      for (std::uint8_t& step : attribute.levels[l].step)
+        step = static_cast<std::uint8_t>(random_.chance(0.2) ? 255 : random_.between(1, 12));
+      attribute.levels[l].opposite_share = static_cast<int>(random_.between(-4, 11));
+      attribute.levels[l].near_share = static_cast<int>(random_.between(0, 15));
+    }
+  }
+
+  /// Values of all attributes for the levels up to `level` that have not come yet.
+  void write_attributes(int level) {
+    for (int i = 0; i < header_.attribute_count; ++i) {
+      const AttributeDescriptor& attribute = header_.attributes[i];
+      const int first = writer_->mesh().attribute(i).next_level();
+      const int last = level < attribute.finest_level ? level : attribute.finest_level;
+      std::vector<std::vector<std::int32_t>> corrections;
+      std::vector<const std::int32_t*> pointers;
+      for (int l = first; l <= last; ++l) {
+        if (l > 0) require(writer_->mesh().ensure_topology(l - 1, false));
+        const std::size_t count =
+            l == 0 ? recipe_.base.vertex_count : writer_->mesh().topology(l - 1).edge_count;
+        corrections.emplace_back(count * static_cast<std::size_t>(attribute.component_count));
+        for (std::int32_t& q : corrections.back()) {
+          if (!random_.chance(recipe_.density)) continue;
+          const std::int32_t largest =
+              random_.chance(0.02) ? kMaximumCorrection : attribute.largest_value() / 16 + 1;
+          q = static_cast<std::int32_t>(random_.between(-largest, largest));
+        }
+      }
+      for (const std::vector<std::int32_t>& of_level : corrections) pointers.push_back(of_level.data());
+      if (!pointers.empty())
+        require(writer_->add_attribute(i, first, static_cast<int>(pointers.size()), pointers.data()));
+    }
   }
 
   std::int32_t coordinate() {
@@ -135,6 +184,7 @@ class StreamGenerator {
     require(writer_->add_base(recipe_.base.faces[0].data(), coordinates.data(),
                               creases.empty() ? nullptr : creases.data(), old_index));
     if (recipe_.has_ancillary_chunks) write_ancillary_chunk();
+    write_attributes(0);
     if (recipe_.one_layer_per_chunk || header_.level_count == 0 || random_.chance(0.5)) end_layer(0);
   }
 
@@ -217,7 +267,18 @@ class StreamGenerator {
     require(writer_->mesh().update_positions(level));
     expected.state_hash = writer_->mesh().state_hash();
     expected.position_hash = writer_->mesh().position_hash(level);
+    for (int i = 0; i < header_.attribute_count; ++i) {
+      const bool is_there = writer_->mesh().update_attribute(i, level).ok();
+      const auto vertex_count = static_cast<std::uint32_t>(vertex_count_of(level));
+      expected.attribute_hashes.push_back(
+          is_there ? writer_->mesh().attribute(i).hash(header_.attributes[i], vertex_count) : 0);
+    }
     result_.layers.push_back(expected);
+  }
+
+  std::size_t vertex_count_of(int level) const {
+    const LevelTopology& coarse = writer_->mesh().topology(level > 0 ? level - 1 : 0);
+    return std::size_t{coarse.vertex_count} + (level > 0 ? coarse.edge_count : 0);
   }
 
   StreamRecipe recipe_;
