@@ -28,16 +28,18 @@ struct MeshQuantizer::State {
   }
 
   /// Back to the correspondences of the fit, and to the frames of its mesh: a coefficient is judged by where it points.
-  void restart() {
+  void restart(bool keep_correspondences) {
     std::vector<Vec3> positions;
     system.synthesis().synthesize(fitted_values, positions);
-    if (at_start) return;
+    if (at_start || keep_correspondences) return;
     system.set_samples(samples, positions, energy_options);
+    moved_samples = {};
     at_start = true;
   }
 
   const NormalMesh& mesh;
   const std::vector<SurfaceSample> samples;
+  std::vector<SurfaceSample> moved_samples;  // where the correspondences have gone; empty at the start
   bool at_start = true;
   double total_weight = 0;  // of the samples of the fit
   const InputSurface* input;
@@ -388,11 +390,12 @@ QuantizedMesh MeshQuantizer::run(const QuantizeOptions& options, const Quantized
   FitSystem& system = state.system;
   const SubdivisionHierarchy& hierarchy = state.mesh.hierarchy;
   const LevelTopology& finest = hierarchy.level(hierarchy.level_count());
-  state.restart();
+  const bool kept = options.keep_correspondences && !state.at_start;
+  state.restart(kept);
   Quantization run(options, hierarchy, system, state.fitted_values,
                    free_unknowns(state.mesh, system.layout(), true), previous, ratio);
-  std::vector<SurfaceSample> samples;
-  int reprojections = 0;
+  std::vector<SurfaceSample>& samples = state.moved_samples;
+  int reprojections = kept ? 1 : 0;
   const auto reproject = [&] {
     if (!state.input || reprojections >= options.reprojection_count) return;
     ++reprojections;
@@ -412,7 +415,7 @@ QuantizedMesh MeshQuantizer::run(const QuantizeOptions& options, const Quantized
   if (previous) run.minimize(3, 30, 0.05);
   for (int round = 0; round < options.active_set_rounds; ++round) {
     run.shrink(options.dead_zone * (round == 0 ? 0.8 : 1.0));
-    if (round > 0) reproject();
+    if (round > 0 && !kept) reproject();
     run.minimize(2, 25, 0.05);
   }
   if (report) report->fit_rms = system.energy().root_mean_square(run.energy());

@@ -53,6 +53,9 @@ struct QuantizeOptions {
   double reach_multiple = 2;
   /// Correspondences follow the surface this many times (needs an input surface).
   int reprojection_count = 2;
+  /// Starts from the correspondences that the last call ended with instead of the fit's. For steps within a
+  /// factor of about 1.5 they are as good, and one re-projection less is enough.
+  bool keep_correspondences = false;
 };
 
 struct QuantizeReport {
@@ -72,7 +75,8 @@ class MeshQuantizer {
                 const InputSurface* input, const QuadraticEnergyOptions& energy = {});
   ~MeshQuantizer();
 
-  /// A function of its arguments and of what the object was made from: earlier calls leave no trace.
+  /// A function of its arguments and of what the object was made from: earlier calls leave no trace, unless
+  /// options.keep_correspondences asks for it.
   QuantizedMesh quantize(const QuantizeOptions& options, QuantizeReport* report = nullptr);
 
   /// The next quality layer: steps and base grid are those of `previous` over `ratio`, and only the

@@ -57,9 +57,10 @@ std::size_t append_input_samples(const InputSurface& input, const LevelTopology&
   const double weight = points.size() ? total_weight / static_cast<double>(points.size()) : 0;
   parallel_for(points.size(), [&](std::size_t i) {
     const Vec3 point = points[i].position;
-    const SurfacePoint hit = surface.closest_point(point);
     found[i].weight = 0;
-    if (!hit.found() || hit.t <= minimum_distance) return;
+    if (surface.is_within(point, minimum_distance)) return;
+    const SurfacePoint hit = surface.closest_point(point);
+    if (!hit.found()) return;
     found[i].face = hit.triangle;
     for (int k = 0; k < 3; ++k) found[i].barycentric[k] = static_cast<float>(hit.barycentric[k]);
     found[i].target = point;

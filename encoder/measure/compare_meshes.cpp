@@ -148,13 +148,21 @@ Sums measure_samples(const AreaSamples& samples, const TriangleMesh& source, con
   });
 }
 
+// With a maximum already known, only what exceeds it is looked for: the sums stay zero.
 Sums measure_vertices(const std::vector<std::uint32_t>& vertices, const TriangleMesh& source,
-                      const SurfaceIndex& target_index) {
+                      const SurfaceIndex& target_index, std::optional<double> known_maximum) {
   return parallel_block_sum<Sums>(vertices.size(), kPointsPerBlock, [&](std::size_t begin, std::size_t end) {
     Sums block;
     ClosestPointWalk walk(target_index);
+    if (known_maximum) block.maximum = *known_maximum;
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3& point = source.positions[vertices[i]];
+      if (known_maximum) {
+        // Nearly every vertex is seen to be nearer than the farthest so far at its first triangle.
+        if (!target_index.is_within(point, block.maximum))
+          block.note_maximum(target_index.closest_point(point).t, point);
+        continue;
+      }
       block.add_distance(walk.step(point).t, point);
     }
     return block;
@@ -175,7 +183,8 @@ OneSidedDistance one_sided(const TriangleMesh& source, const TriangleMesh& targe
   if (options.vertices || !has_area) {
     const std::vector<std::uint32_t> vertices = used_vertices(source);
     side.vertex_count = vertices.size();
-    of_vertices = measure_vertices(vertices, source, target_index);
+    of_vertices = measure_vertices(vertices, source, target_index,
+                                   has_area ? std::optional(of_samples.maximum) : std::nullopt);
   }
 
   const Sums& means = has_area ? of_samples : of_vertices;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoder/pipeline/candidate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -55,6 +56,11 @@ Candidate::Candidate(const ParameterizedSurface& surface, const ParameterizedBas
   report(progress, "normal mesh", 0.5);
   SamplingOptions sampling;
   sampling.subdivisions = options.samples_per_face_side;
+  // Nine samples per face serve one unknown per two faces; on large meshes four do, at half the memory.
+  constexpr std::size_t kManySamples = 1'500'000;
+  const std::size_t face_count = interpolated.mesh.hierarchy.level(options.coded_level_count).face_count;
+  if (face_count * static_cast<std::size_t>(sampling.subdivisions * sampling.subdivisions) > kManySamples)
+    sampling.subdivisions = std::min(sampling.subdivisions, 2);
   SampleStatistics sampled;
   std::vector<SurfaceSample> samples = sample_correspondences(
       surface, *state.index, interpolated.mesh.hierarchy.level(options.coded_level_count), options.coded_level_count,
@@ -132,6 +138,7 @@ Trial Candidate::quantize(double normal_step, const StreamDescription& descripti
   quantize.base_origin = stream_origin(trial.steps, description.box.minimum).position(trial.steps) -
                          state_->reference->center;
   quantize.lambda_factor = options.lambda_factor;
+  quantize.keep_correspondences = options.keep_correspondences && layer_count == 1;
   trial.normal_step = quantize.normal_step;
   if (layer_count > 1) {
     LayerOptions layers;
@@ -154,6 +161,11 @@ void Candidate::assess(const StreamDescription& description, const TrialOptions&
   const int level = hierarchy().level_count();
   trial.error = measure(reconstruct(trial.mesh, hierarchy(), level), level,
                         static_cast<std::size_t>(options.measure_sample_count));
+}
+
+MeasuredError Candidate::measured_error(const Trial& trial) const {
+  const int level = hierarchy().level_count();
+  return measure(reconstruct(trial.mesh, hierarchy(), level), level, 0);
 }
 
 std::size_t Candidate::repair(double tolerance, int maximum_rounds, const StreamDescription& description,

@@ -50,6 +50,7 @@ struct TrialOptions {
   double lambda_factor = 0.08;
   int quality_layer_count = 1;
   int layer_ratio = 3;
+  bool keep_correspondences = false;  // of the last trial (QuantizeOptions); for one layer
 };
 
 /// The outcome of quantizing with one step.
@@ -88,6 +89,9 @@ class Candidate {
   /// can (maximum_repair.h), and measures it again. Returns the places that were beyond before.
   std::size_t repair(double tolerance, int maximum_rounds, const StreamDescription& description,
                      const TrialOptions& options, Trial& trial) const;
+
+  /// The error of a trial's mesh by the final measurement.
+  MeasuredError measured_error(const Trial& trial) const;
 
   /// The final stream of a trial, all rows measured, with `colors` where there are any.
   StreamBytes finish(const Trial& trial, const StreamDescription& description, const ColorStream* colors = nullptr);

@@ -79,6 +79,10 @@ constexpr std::size_t kLargestBase = 60000;
 
 /// Of a size that geometry and colours share. Colours that need less leave the rest unused.
 constexpr double kGeometryShare = 0.5;
+/// Share of the asked error that the fit may leave before quantization.
+constexpr double kLargestFloor = 0.75;
+/// With more of it a rival is not even tried.
+constexpr double kHopelessFloor = 0.97;
 
 /// Share of the inner edges whose faces meet at more than 30 degrees. A scan has a few percent of them at most, and
 /// noise; a machine part has many along its creases.
@@ -223,6 +227,9 @@ class MeshEncoder {
     return best;
   }
 
+  /// Bounds memory: 0.5 kB per vertex of the finest level.
+  double largest_vertex_count() const { return 24 * static_cast<double>(surface_.vertex_count()) + 500000; }
+
   int level_count_for(int base_size) const {
     if (options_.level_count) return *options_.level_count;
     if (base_size >= static_cast<int>(surface_.vertex_count())) return 1;
@@ -231,24 +238,46 @@ class MeshEncoder {
     const double vertices = static_cast<double>(surface_.vertex_count());
     const double error = relative_target();
     const double asked = finer_ * std::min(4 * vertices, std::clamp(7e-5 * vertices / error, 3 / error, 10 / error));
-    const double wanted = std::min(asked, 24 * vertices + 500000);  // bounds memory: 0.5 kB per finest vertex
+    const double wanted = std::min(asked, largest_vertex_count());
     const double ratio = std::max(1.0, wanted / base_size);
     return std::clamp(static_cast<int>(std::ceil(std::log(ratio) / std::log(4.0) - 0.2)), 1, 8);
+  }
+
+  const std::shared_ptr<const Parameterization>& parameterization_of(std::size_t base_index) {
+    if (!parameterization_ || parameterized_index_ != base_index) {
+      clock_.start("parameterize");
+      report(options_.progress, "parameterization", 0);
+      parameterization_.reset();
+      parameterization_ = std::make_shared<const Parameterization>(relax(*history_, base_index));
+      parameterized_index_ = base_index;
+    }
+    return parameterization_;
   }
 
   Outcome evaluate(std::size_t base_index) {
     Outcome outcome;
     outcome.base_index = base_index;
-    clock_.start("parameterize");
-    report(options_.progress, "parameterization", 0);
-    outcome.parameterization = std::make_shared<const Parameterization>(relax(*history_, base_index));
-    clock_.start("normal mesh and fit");
+    outcome.parameterization = parameterization_of(base_index);
     CandidateOptions candidate;
     candidate.coded_level_count = level_count_for(base_sizes_[base_index]);
     candidate.tension = tension_;
-    outcome.candidate =
-        std::make_unique<Candidate>(outcome.parameterization, reference_, candidate, options_.progress);
-    search(candidate.coded_level_count, outcome);
+    for (;;) {
+      clock_.start("normal mesh and fit");
+      outcome.candidate.reset();
+      outcome.candidate =
+          std::make_unique<Candidate>(outcome.parameterization, reference_, candidate, options_.progress);
+      // What the fit cannot resolve no step can bring back, and the nearer the fit's own error is to the target, the
+      // finer the steps that are left: another level costs a few zeros. A rival gets no more levels than the best has.
+      const bool too_coarse = options_.target.kind == TargetKind::kRmsError &&
+                              outcome.candidate->statistics().fit.final_rms > kLargestFloor * options_.target.value;
+      const double next_size = base_sizes_[base_index] * std::pow(4.0, candidate.coded_level_count + 1);
+      const bool enough = best_.met && candidate.coded_level_count >= best_.candidate->coded_level_count();
+      if (!too_coarse || enough || options_.level_count || next_size > largest_vertex_count()) break;
+      ++candidate.coded_level_count;
+    }
+    const bool hopeless = best_.met && options_.target.kind == TargetKind::kRmsError &&
+                          outcome.candidate->statistics().fit.final_rms > kHopelessFloor * options_.target.value;
+    if (!hopeless) search(candidate.coded_level_count, outcome);
     return outcome;
   }
 
@@ -285,12 +314,17 @@ class MeshEncoder {
     clock_.start("quantize");
     report(options_.progress, "quantization", 0);
     TargetSearchOptions target_search;
-    target_search.maximum_trials = plan_.trials_per_candidate;
+    // With the surface itself as the base only the step stands between a trial and any error.
+    constexpr int kTrialsOfLastResort = 12;
+    const bool is_last_resort = outcome.candidate->statistics().base_vertex_count >= surface_.vertex_count();
+    target_search.maximum_trials = is_last_resort ? kTrialsOfLastResort : plan_.trials_per_candidate;
     target_search.trial.measure_sample_count = 60000;
     target_search.trial.quality_layer_count = options_.quality_layer_count;
-    const double first_step =
-        step_guess_ > 0 ? step_guess_
-                        : result_.diagonal * 2e-3 * std::pow(relative_target() / 1.8e-4, 1.6);
+    if (best_.met) target_search.bytes_to_beat = best_.trial.byte_count;
+    double first_step = step_guess_ > 0 ? step_guess_
+                                        : result_.diagonal * 2e-3 * std::pow(relative_target() / 1.8e-4, 1.6);
+    const bool is_rms = options_.target.kind == TargetKind::kRmsError;
+    if (is_rms) first_step = step_for_rms(*outcome.candidate, options_.target.value, error_share_);
     TargetSearchResult found =
         search_target(*outcome.candidate, options_.target, description_, first_step, target_search);
     for (const Trial& t : found.trials) {
@@ -300,6 +334,7 @@ class MeshEncoder {
     outcome.met = found.best.has_value();
     outcome.trial = std::move(outcome.met ? *found.best : *found.nearest);
     step_guess_ = outcome.trial.normal_step;
+    if (is_rms) error_share_ = error_share(*outcome.candidate, outcome.trial);
   }
 
   /// Regular polyhedra first: their connectivity costs nothing. A surface with limbs wants vertices at their tips.
@@ -368,14 +403,6 @@ class MeshEncoder {
       if (better(next, best_)) best_ = std::move(next);
     }
     if (!best_.met) return;
-    // Where a coarse step loses whole limbs, they hang on tangential coefficients: far more base vertices carry them.
-    const double whole_limb = 60 * relative_target() * result_.diagonal;
-    const bool limbs_lost = std::any_of(result_.attempts.begin(), result_.attempts.end(),
-                                        [&](const auto& a) { return a.error.maximum > whole_limb; });
-    if (limbs_lost && !options_.base_vertex_count && best_.base_index + 3 < base_sizes_.size()) {
-      Outcome next = evaluate(best_.base_index + 3);
-      if (better(next, best_)) best_ = std::move(next);
-    }
     for (const int direction : {1, -1}) {
       bool moved = false;
       while (left > 0) {
@@ -417,26 +444,23 @@ class MeshEncoder {
   void finish() {
     clock_.start("final measurement");
     report(options_.progress, "final measurement", 0);
-    result_.stream = best_.candidate->finish(best_.trial, description_);
+    // The search measures with fewer samples; the verdict is that of the full measurement.
+    best_.trial.error = best_.candidate->measured_error(best_.trial);
+    for (int tries = 0; best_.met && target_ratio(options_.target, best_.trial) > 1 && tries < 6; ++tries) {
+      TrialOptions trial;
+      trial.quality_layer_count = options_.quality_layer_count;
+      trial.keep_correspondences = true;
+      const double excess = target_ratio(options_.target, best_.trial);
+      const double step = best_.trial.normal_step * std::clamp(std::pow(0.995 / excess, 1.6), 0.5, 0.985);
+      best_.trial = try_step(*best_.candidate, options_.target, description_, step, trial);
+    }
+    const std::optional<ColorResult> colors = colors_of(best_);
+    result_.stream = best_.candidate->finish(best_.trial, description_, colors ? &colors->stream : nullptr);
     result_.error = result_.stream.rows.back().error;
     result_.candidate = best_.candidate->statistics();
     result_.level_count = best_.candidate->coded_level_count();
-    // The search measures with fewer samples; the verdict is that of the full measurement.
     Trial final_trial = best_.trial;
     final_trial.error = result_.error;
-    for (int tries = 0; best_.met && target_ratio(options_.target, final_trial) > 1 && tries < 6; ++tries) {
-      TrialOptions trial;
-      trial.quality_layer_count = options_.quality_layer_count;
-      const double excess = target_ratio(options_.target, final_trial);
-      const double step = best_.trial.normal_step * std::clamp(std::pow(0.99 / excess, 1.6), 0.5, 0.985);
-      best_.trial = try_step(*best_.candidate, options_.target, description_, step, trial);
-      result_.stream = best_.candidate->finish(best_.trial, description_);
-      result_.error = result_.stream.rows.back().error;
-      final_trial = best_.trial;
-      final_trial.error = result_.error;
-    }
-    if (const std::optional<ColorResult> colors = colors_of(best_))
-      result_.stream = best_.candidate->finish(best_.trial, description_, &colors->stream);
     final_trial.byte_count = result_.stream.bytes.size();
     result_.target_met = target_ratio(asked_target_, final_trial) <= 1;
     if (best_.parameterization) {  // the sphere's map was proven when it was made
@@ -460,6 +484,9 @@ class MeshEncoder {
   double finer_ = 1;
   double tension_ = 1;
   double step_guess_ = 0;
+  double error_share_ = kUsualErrorShare;  // of the last candidate
+  std::shared_ptr<const Parameterization> parameterization_;  // the last one, of parameterized_index_
+  std::size_t parameterized_index_ = 0;
   Outcome best_;
 };
 

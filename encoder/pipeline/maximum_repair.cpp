@@ -32,15 +32,19 @@ std::size_t collect_wishes(const SurfaceIndex& input, const std::vector<Vec3>& p
   for (const Triangle& t : input.triangles())
     for (const std::uint32_t v : t) used[v] = 1;
   std::vector<SurfacePoint> from_input(used.size()), from_mesh(positions.size());
+  const double near = kMargin * tolerance;
   parallel_for(used.size(), [&](std::size_t v) {
-    if (used[v]) from_input[v] = surface.closest_point(input.positions()[v]);
+    if (used[v] && !surface.is_within(input.positions()[v], near))
+      from_input[v] = surface.closest_point(input.positions()[v]);
   });
-  parallel_for(positions.size(), [&](std::size_t v) { from_mesh[v] = input.closest_point(positions[v]); });
+  parallel_for(positions.size(), [&](std::size_t v) {
+    if (!input.is_within(positions[v], near)) from_mesh[v] = input.closest_point(positions[v]);
+  });
 
   std::size_t beyond = 0;
   for (std::size_t v = 0; v < used.size(); ++v) {
     const SurfacePoint& at = from_input[v];
-    if (!at.found() || at.t <= kMargin * tolerance) continue;
+    if (!at.found() || at.t <= near) continue;
     beyond += at.t > tolerance;
     // The shortest joint move of the odd corners that brings the point of the face to the place.
     const Vec3 move = input.positions()[v] - at.position;
@@ -60,7 +64,7 @@ std::size_t collect_wishes(const SurfaceIndex& input, const std::vector<Vec3>& p
   }
   for (std::size_t v = 0; v < positions.size(); ++v) {
     const SurfacePoint& at = from_mesh[v];
-    if (!at.found() || at.t <= kMargin * tolerance) continue;
+    if (!at.found() || at.t <= near) continue;
     beyond += at.t > tolerance;
     wish(static_cast<std::uint32_t>(v), at.position - positions[v], wishes);
   }

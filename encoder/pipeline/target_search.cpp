@@ -41,6 +41,21 @@ Trial try_step(Candidate& candidate, const Target& target, const StreamDescripti
 
 namespace {
 
+/// Bytes go with the error to this power, near enough to compare two trials whose errors differ by a third.
+constexpr double kBytesOverError = -1.1;
+
+/// Whether the trial, brought to the target along the usual curve, would take clearly more bytes than another way.
+bool is_beaten(const Target& target, const Trial& trial, double ratio, std::size_t bytes_to_beat) {
+  if (bytes_to_beat == 0 || target.kind != TargetKind::kRmsError || std::abs(std::log(ratio)) > 0.3) return false;
+  const double expected = static_cast<double>(trial.byte_count) * std::pow(1 / ratio, kBytesOverError);
+  return expected > 1.02 * static_cast<double>(bytes_to_beat);
+}
+
+/// Correspondences of a step that is not far from the next one's.
+constexpr double kNearStep = 0.45;  // logarithm
+
+double floor_of(const Candidate& candidate) { return candidate.statistics().fit.final_rms; }
+
 /// The maximum depends on a handful of places, and hardly on the step until that is far too fine. So the step follows
 /// the number of places beyond the tolerance, and the last of them are repaired one by one.
 TargetSearchResult search_maximum_error(Candidate& candidate, const Target& target,
@@ -74,6 +89,17 @@ TargetSearchResult search_maximum_error(Candidate& candidate, const Target& targ
 
 }  // namespace
 
+double step_for_rms(const Candidate& candidate, double rms, double share) {
+  const double floor = std::min(floor_of(candidate), 0.95 * rms);
+  return std::sqrt(rms * rms - floor * floor) / share;
+}
+
+double error_share(const Candidate& candidate, const Trial& trial) {
+  const double rms = trial.error.rms, floor = floor_of(candidate);
+  const double squared = std::max(rms * rms - floor * floor, 0.1 * rms * rms);
+  return std::clamp(std::sqrt(squared) / trial.normal_step, 0.3 * kUsualErrorShare, 3 * kUsualErrorShare);
+}
+
 TargetSearchResult search_target(Candidate& candidate, const Target& target, const StreamDescription& description,
                                  double first_step, const TargetSearchOptions& options) {
   if (target.kind == TargetKind::kMaximumError) {
@@ -93,7 +119,11 @@ TargetSearchResult search_target(Candidate& candidate, const Target& target, con
   constexpr double kFarInside = 0.93;
   for (int i = 0; i < options.maximum_trials + kMoreTrials; ++i) {
     if (i >= options.maximum_trials && (!result.best || target_ratio(target, *result.best) >= kFarInside)) break;
-    Trial trial = try_step(candidate, target, description, std::exp(log_step), options.trial);
+    TrialOptions trial_options = options.trial;
+    trial_options.keep_correspondences =
+        !result.trials.empty() && std::abs(log_step - std::log(result.trials.back().normal_step)) < kNearStep;
+    Trial trial = try_step(candidate, target, description, std::exp(log_step), trial_options);
+    const double share = error_share(candidate, trial);
     const double ratio = std::max(target_ratio(target, trial), 1e-12);
     const Point point{std::log(trial.normal_step), std::log(ratio)};
     Trial record = trial;
@@ -111,13 +141,18 @@ TargetSearchResult search_target(Candidate& candidate, const Target& target, con
     const std::optional<Point> last = met ? meets : fails;
     (met ? meets : fails) = point;
     if (met && ratio >= options.good_enough) break;
+    if (is_beaten(target, result.trials.back(), ratio, options.bytes_to_beat)) break;
+    const double aim = std::log(0.5 * (1 + options.good_enough));
 
     if (meets && fails) {
       // Secant inside the bracket, aimed a little below the target; kept away from the ends of the bracket.
-      const double aim = std::log(0.5 * (1 + options.good_enough));
-      double share = (aim - meets->log_ratio) / (fails->log_ratio - meets->log_ratio);
-      share = std::clamp(std::isfinite(share) ? share : 0.5, 0.12, 0.88);
-      log_step = meets->log_step + share * (fails->log_step - meets->log_step);
+      double part = (aim - meets->log_ratio) / (fails->log_ratio - meets->log_ratio);
+      part = std::clamp(std::isfinite(part) ? part : 0.5, 0.12, 0.88);
+      log_step = meets->log_step + part * (fails->log_step - meets->log_step);
+    } else if (!is_size && !last) {
+      log_step = point.log_step +
+                 std::clamp(std::log(step_for_rms(candidate, std::exp(aim) * target.value, share)) - point.log_step,
+                            -2.0, 2.0);
     } else {
       double slope = exponent;
       if (last && std::abs(point.log_step - last->log_step) > 1e-6) {
@@ -127,7 +162,7 @@ TargetSearchResult search_target(Candidate& candidate, const Target& target, con
         const double sign = is_size ? -1 : 1;
         slope = sign * std::clamp(sign * slope, 0.3, 1.2);
       }
-      const double move = (std::log(0.5 * (1 + options.good_enough)) - point.log_ratio) / slope;
+      const double move = (aim - point.log_ratio) / slope;
       log_step = point.log_step + std::clamp(move, -2.0, 2.0);
     }
   }

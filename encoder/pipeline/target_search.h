@@ -15,7 +15,10 @@ namespace nmc {
 struct TargetSearchOptions {
   int maximum_trials = 5;
   /// A trial that uses at least this share of what the target allows ends the search.
-  double good_enough = 0.97;
+  double good_enough = 0.985;
+  /// Bytes that another candidate needs for the target: a search that would clearly end above them is given up.
+  /// 0: none.
+  std::size_t bytes_to_beat = 0;
   TrialOptions trial;
 };
 
@@ -33,7 +36,14 @@ double target_ratio(const Target& target, const Trial& trial);
 Trial try_step(Candidate& candidate, const Target& target, const StreamDescription& description, double step,
                const TrialOptions& options);
 
-/// Error and size follow powers of the step, so the search is a secant method in logarithms that keeps a bracket.
+/// The step with which `candidate` should reach an RMS error, from the share of the step that quantization leaves as
+/// error: rms^2 = floor^2 + (share step)^2, with the error of the fit as the floor.
+double step_for_rms(const Candidate& candidate, double rms, double share);
+/// That share, as a trial shows it.
+double error_share(const Candidate& candidate, const Trial& trial);
+inline constexpr double kUsualErrorShare = 0.125;
+
+/// An RMS error is sought by that law of squares, inside a bracket by secants in logarithms; a size by secants alone.
 /// `first_step` is a guess. For a maximum error trials are repaired where they miss it (Candidate::repair).
 TargetSearchResult search_target(Candidate& candidate, const Target& target, const StreamDescription& description,
                                  double first_step, const TargetSearchOptions& options);

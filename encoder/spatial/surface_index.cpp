@@ -166,6 +166,15 @@ bool sphere_meets_box(RTCPointQueryFunctionArguments* arguments) {
   return true;
 }
 
+// The first triangle within the distance decides; a sphere without radius meets hardly anything after that.
+bool sphere_meets_any_box(RTCPointQueryFunctionArguments* arguments) {
+  auto& query = *static_cast<PointQuery*>(arguments->userPtr);
+  if (query.best_triangle == kNoTriangle) consider_triangle(query, arguments->primID);
+  if (query.best_triangle == kNoTriangle) return false;
+  arguments->query->radius = 0;
+  return true;
+}
+
 // Clips [t_minimum, t_maximum] to the box |x - center| <= reach, in double.
 bool clip_to_box(const Vec3& origin, const Vec3& direction, const Vec3& center, const Vec3& reach,
                  double& t_minimum, double& t_maximum) {
@@ -338,11 +347,11 @@ SurfacePoint SurfaceIndex::first_hit(const Vec3& origin, const Vec3& direction, 
   return hits.empty() ? SurfacePoint{} : hits.front();
 }
 
-SurfacePoint SurfaceIndex::closest_point(const Vec3& point, double maximum_distance) const {
-  const IndexData& data = *implementation_;
-  SurfacePoint nearest;
-  if (data.scene == nullptr || !is_finite(point) || !(maximum_distance >= 0)) return nearest;
+namespace {
 
+// The query after all triangles that its callback let it visit.
+PointQuery visit_near_triangles(const IndexData& data, const Vec3& point, double maximum_distance,
+                                RTCPointQueryFunction visit) {
   const Vec3 local = data.to_local(point);
   const double farthest = std::max({std::abs(local.x), std::abs(local.y), std::abs(local.z)});
   PointQuery query{
@@ -355,10 +364,26 @@ SurfacePoint SurfaceIndex::closest_point(const Vec3& point, double maximum_dista
     sphere.y = static_cast<float>(local.y);
     sphere.z = static_cast<float>(local.z);
     sphere.radius = inflated_radius(query.best.squared_distance, data.scale, query.slack);
-    rtcPointQuery(data.scene, &sphere, &context, sphere_meets_box, &query);
+    rtcPointQuery(data.scene, &sphere, &context, visit, &query);
   } else {
     for (std::uint32_t i = 0; i < data.triangles.size(); ++i) consider_triangle(query, i);
   }
+  return query;
+}
+
+}  // namespace
+
+bool SurfaceIndex::is_within(const Vec3& point, double distance) const {
+  const IndexData& data = *implementation_;
+  if (data.scene == nullptr || !is_finite(point) || !(distance >= 0)) return false;
+  return visit_near_triangles(data, point, distance, sphere_meets_any_box).best_triangle != kNoTriangle;
+}
+
+SurfacePoint SurfaceIndex::closest_point(const Vec3& point, double maximum_distance) const {
+  const IndexData& data = *implementation_;
+  SurfacePoint nearest;
+  if (data.scene == nullptr || !is_finite(point) || !(maximum_distance >= 0)) return nearest;
+  const PointQuery query = visit_near_triangles(data, point, maximum_distance, sphere_meets_box);
   if (query.best_triangle == kNoTriangle) return nearest;
 
   const Triangle& triangle = data.triangles[query.best_triangle];

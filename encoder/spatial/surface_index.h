@@ -51,6 +51,10 @@ class SurfaceIndex {
   SurfacePoint closest_point(const Vec3& point,
                              double maximum_distance = std::numeric_limits<double>::infinity()) const;
 
+  /// Whether any point of the mesh is within `distance`: the same answer as closest_point(point, distance).found(),
+  /// but the first triangle near enough ends the search.
+  bool is_within(const Vec3& point, double distance) const;
+
   const std::vector<Vec3>& positions() const;
   const std::vector<Triangle>& triangles() const;
 

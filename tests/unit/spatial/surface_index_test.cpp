@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "encoder/core/parallel.h"
 #include "tests/unit/spatial/test_meshes.h"
@@ -102,6 +103,26 @@ TEST_CASE("closest_point finds nothing beyond the maximum distance and includes 
   const SurfaceIndex index(flat);
   CHECK(index.closest_point({1.3, 1.6, 0.5}, 0.5).found());
   CHECK_FALSE(index.closest_point({1.3, 1.6, 0.5}, 0.4999999).found());
+}
+
+TEST_CASE("is_within says what closest_point finds") {
+  const TriangleMesh mesh = test::triangle_soup(5, 300, 0.05, {});
+  const SurfaceIndex index(mesh);
+  Random random(3);
+  int near_count = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 point = random.point(-1.2, 1.2);
+    const double nearest = index.closest_point(point).t;
+    CAPTURE(i, nearest);
+    CHECK(index.is_within(point, 1.001 * nearest));
+    CHECK_FALSE(index.is_within(point, 0.999 * nearest));
+    near_count += index.is_within(point, 0.1);
+    CHECK(index.is_within(point, 0.1) == index.closest_point(point, 0.1).found());
+  }
+  CHECK(near_count > 0);
+  CHECK(near_count < 400);
+  CHECK_FALSE(index.is_within({0, 0, 0}, -1));
+  CHECK(index.is_within({0, 0, 0}, std::numeric_limits<double>::infinity()));
 }
 
 TEST_CASE("closest_point is exact on triangles that are a segment or a point") {
