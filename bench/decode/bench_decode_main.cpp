@@ -1,202 +1,98 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast streams decode, against Draco and meshoptimizer on the very same triangles: in process, one
-// thread, best of several runs with memory warm, processor time, from compressed bytes to float positions and
-// 32-bit indices.
+// How fast streams decode, against Draco and meshoptimizer: at equal error, with a simplifier before them as
+// a user would have it, and on the very same triangles.
 //
-// Usage: nmc-bench-decode [--csv] [--runs N] FILE.nmc...
+// Usage: nmc-bench-decode [--csv] [--runs N] STREAM.nmc[=ORIGINAL]...
 //
-// Draco and meshoptimizer get the decoded mesh with as many bits per coordinate as keep their rounding below
-// the root mean square error that the stream states (and at least 10), so that all three deliver the surface
-// at that quality.
-#include <draco/compression/decode.h>
-#include <draco/compression/encode.h>
-#include <draco/mesh/mesh.h>
+// With the mesh that a stream was made of, its error is measured, and the peers get the fewest triangles and
+// bits with which Draco keeps it. On the same triangles they get as many bits as keep their rounding below
+// the error.
 #include <malloc.h>
-#include <meshoptimizer.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <ctime>
 #include <string>
 #include <vector>
 
+#include "bench/decode/equal_error.h"
+#include "bench/decode/timed_codecs.h"
 #include "decoder/tool/stream_source.h"
 #include "decoder/tool/tool_error.h"
+#include "encoder/core/error.h"
+#include "encoder/read/mesh_reader.h"
 
 namespace {
 
 using namespace nmc;
+using namespace nmc::bench;
 
-struct Mesh {
-  std::vector<float> positions;
-  std::vector<std::uint32_t> indices;
+struct Report {
+  bool csv = false;
+  std::string file;
+  double own_rate = 0;  // triangles per second of nmc
+
+  void begin() const {
+    if (csv)
+      std::printf(
+          "file,triangles_of,codec,triangles,bytes,seconds,million_triangles_per_s,mb_per_s,bytes_per_"
+          "triangle\n");
+  }
+  void add(const char* triangles_of, const char* codec, std::size_t triangle_count,
+           const DecodeTime& time) const {
+    const double rate = static_cast<double>(triangle_count) / time.seconds;
+    const double output = rate * 18 / 1e6;  // 12 bytes of indices, and half a vertex of 12
+    if (csv) {
+      std::printf("%s,%s,%s,%zu,%zu,%.6f,%.3f,%.1f,%.1f\n", file.c_str(), triangles_of, codec, triangle_count,
+                  time.bytes, time.seconds, rate / 1e6, output, time.memory_per_triangle);
+      return;
+    }
+    std::printf("    %-14s %8zu triangles %8zu bytes %8.2f ms %7.2f Mtriangles/s %7.1f MB/s", codec,
+                triangle_count, time.bytes, time.seconds * 1e3, rate / 1e6, output);
+    if (time.memory_per_triangle > 0)
+      std::printf("  %.1f bytes of memory per triangle\n", time.memory_per_triangle);
+    else
+      std::printf("  nmc: %.2f of its triangles/s\n", own_rate / rate);
+  }
+  void add_peers(const char* triangles_of, const FloatMesh& mesh, int bits, int runs) const {
+    add(triangles_of, "draco -cl 7", mesh.triangle_count(), time_draco(mesh, bits, 3, runs));
+    add(triangles_of, "draco -cl 10", mesh.triangle_count(), time_draco(mesh, bits, 0, runs));
+    add(triangles_of, "meshoptimizer", mesh.triangle_count(), time_meshopt(mesh, bits, runs));
+  }
 };
 
-struct Measurement {
-  std::size_t bytes = 0;
-  double seconds = 0;
-  double memory_per_triangle = 0;  // 0: not known
-};
-
-double processor_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-/// Best of `runs`.
-template <class Work>
-double best_seconds(int runs, const Work& work) {
-  double best = 0;
-  for (int run = 0; run < runs; ++run) {
-    const double start = processor_seconds();
-    work();
-    const double seconds = processor_seconds() - start;
-    if (run == 0 || seconds < best) best = seconds;
+void run(Report& report, const std::string& argument, int runs) {
+  const std::size_t split = argument.find('=');
+  const std::string path = argument.substr(0, split);
+  const std::vector<std::uint8_t> stream = read_file(path);
+  FloatMesh mesh;
+  nmc_layer layer{};
+  nmc_info info{};
+  const DecodeTime own = time_nmc(stream, runs, mesh, layer, info);
+  report.file = path.substr(path.rfind('/') + 1);
+  report.own_rate = static_cast<double>(mesh.triangle_count()) / own.seconds;
+  double rms = (layer.has_error ? layer.rms_error : info.diagonal * 1e-4) / info.diagonal;
+  EqualErrorMesh equal;
+  if (split != std::string::npos) {
+    const BenchMesh original(read_mesh(argument.substr(split + 1)));
+    rms = relative_rms(original, mesh);
+    equal = mesh_of_equal_error(original, rms);
   }
-  return best;
-}
-
-void check(bool condition, const char* what) {
-  if (!condition) throw ToolError(ToolExit::kInternal, what);
-}
-
-Measurement measure_nmc(const std::vector<std::uint8_t>& stream, int runs, Mesh& mesh, nmc_layer& layer,
-                        nmc_info& info) {
-  Measurement result;
-  result.bytes = stream.size();
-  result.seconds = best_seconds(runs, [&] {
-    StreamReader reader;
-    check(reader.feed(std::span<const std::uint8_t>(stream)) == NMC_OK, "feeding failed");
-    nmc_event event{};
-    while (reader.next(event) == NMC_OK) {
+  if (!report.csv) std::printf("%s: RMS %.5f %% of the diagonal\n", report.file.c_str(), 100 * rms);
+  report.add("itself", "nmc", mesh.triangle_count(), own);
+  if (!equal.mesh.indices.empty()) {
+    if (!report.csv) {
+      std::printf("  at equal error: %s, %d bits, RMS %.5f %%\n", equal.simplifier.c_str(),
+                  equal.position_bits, 100 * equal.rms);
     }
-    std::uint32_t vertex_count = 0, face_count = 0;
-    check(reader.current_layer(layer) == NMC_OK &&
-              reader.mesh_size(layer.level, vertex_count, face_count) == NMC_OK,
-          "the stream does not decode");
-    mesh.positions.resize(std::size_t{3} * vertex_count);
-    mesh.indices.resize(std::size_t{3} * face_count);
-    check(reader.read_positions(layer.level, std::span<float>(mesh.positions)) == NMC_OK &&
-              reader.read_indices(layer.level, mesh.indices) == NMC_OK && reader.info(info) == NMC_OK,
-          "the mesh cannot be read");
-    std::uint64_t used = 0, peak = 0;
-    check(reader.memory(used, peak) == NMC_OK, "no memory figures");
-    result.memory_per_triangle =
-        (static_cast<double>(peak) + 4.0 * static_cast<double>(mesh.positions.size() + mesh.indices.size())) /
-        face_count;
-  });
-  return result;
-}
-
-Measurement measure_draco(const Mesh& mesh, int bits, int speed, int runs) {
-  draco::Mesh input;
-  const std::size_t face_count = mesh.indices.size() / 3;
-  const auto vertex_count = static_cast<std::uint32_t>(mesh.positions.size() / 3);
-  input.SetNumFaces(face_count);
-  for (std::uint32_t f = 0; f < face_count; ++f) {
-    draco::Mesh::Face face;
-    for (std::size_t k = 0; k < 3; ++k) face[k] = mesh.indices[3 * f + k];
-    input.SetFace(draco::FaceIndex(f), face);
+    report.add_peers("simplifier", equal.mesh, equal.position_bits, runs);
   }
-  input.set_num_points(vertex_count);
-  draco::GeometryAttribute description;
-  description.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false, 12, 0);
-  const int id = input.AddAttribute(description, true, vertex_count);
-  for (std::uint32_t v = 0; v < vertex_count; ++v) {
-    input.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(v),
-                                           mesh.positions.data() + std::size_t{3} * v);
-  }
-  draco::Encoder encoder;
-  encoder.SetSpeedOptions(speed, speed);
-  encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
-  encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, bits);
-  draco::EncoderBuffer buffer;
-  check(encoder.EncodeMeshToBuffer(input, &buffer).ok(), "Draco refuses the mesh");
-  Measurement result;
-  result.bytes = buffer.size();
-  Mesh decoded;
-  result.seconds = best_seconds(runs, [&] {
-    draco::DecoderBuffer compressed;
-    compressed.Init(buffer.data(), buffer.size());
-    draco::Decoder decoder;
-    auto outcome = decoder.DecodeMeshFromBuffer(&compressed);
-    check(outcome.ok(), "Draco does not decode");
-    const draco::Mesh& output = *outcome.value();
-    decoded.positions.resize(std::size_t{3} * output.num_points());
-    decoded.indices.resize(std::size_t{3} * output.num_faces());
-    const draco::PointAttribute* positions = output.GetNamedAttribute(draco::GeometryAttribute::POSITION);
-    for (std::uint32_t v = 0; v < output.num_points(); ++v) {
-      positions->GetMappedValue(draco::PointIndex(v), decoded.positions.data() + std::size_t{3} * v);
-    }
-    for (std::uint32_t f = 0; f < output.num_faces(); ++f) {
-      const draco::Mesh::Face& face = output.face(draco::FaceIndex(f));
-      for (std::size_t k = 0; k < 3; ++k) decoded.indices[3 * f + k] = face[k].value();
-    }
-  });
-  return result;
-}
-
-Measurement measure_meshopt(const Mesh& mesh, int bits, int runs) {
-  const std::size_t vertex_count = mesh.positions.size() / 3, index_count = mesh.indices.size();
-  float low[3] = {INFINITY, INFINITY, INFINITY}, size = 0;
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-    low[i % 3] = std::min(low[i % 3], mesh.positions[i]);
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-    size = std::max(size, mesh.positions[i] - low[i % 3]);
-  std::vector<std::uint32_t> indices(index_count), remap(vertex_count);
-  meshopt_optimizeVertexCache(indices.data(), mesh.indices.data(), index_count, vertex_count);
-  meshopt_optimizeVertexFetchRemap(remap.data(), indices.data(), index_count, vertex_count);
-  meshopt_remapIndexBuffer(indices.data(), indices.data(), index_count, remap.data());
-  std::vector<std::array<std::uint16_t, 4>> vertices(vertex_count);
-  const float scale = static_cast<float>((1 << std::min(bits, 16)) - 1) / size;
-  for (std::size_t v = 0; v < vertex_count; ++v) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      vertices[remap[v]][k] =
-          static_cast<std::uint16_t>(std::lround((mesh.positions[3 * v + k] - low[k]) * scale));
-    }
-  }
-  std::vector<unsigned char> vertex_bytes(meshopt_encodeVertexBufferBound(vertex_count, 8));
-  vertex_bytes.resize(
-      meshopt_encodeVertexBuffer(vertex_bytes.data(), vertex_bytes.size(), vertices.data(), vertex_count, 8));
-  std::vector<unsigned char> index_bytes(meshopt_encodeIndexBufferBound(index_count, vertex_count));
-  index_bytes.resize(
-      meshopt_encodeIndexBuffer(index_bytes.data(), index_bytes.size(), indices.data(), index_count));
-  Measurement result;
-  result.bytes = vertex_bytes.size() + index_bytes.size();
-  Mesh decoded;
-  result.seconds = best_seconds(runs, [&] {
-    decoded.positions.resize(3 * vertex_count);
-    decoded.indices.resize(index_count);
-    check(meshopt_decodeVertexBuffer(vertices.data(), vertex_count, 8, vertex_bytes.data(),
-                                     vertex_bytes.size()) == 0 &&
-              meshopt_decodeIndexBuffer(decoded.indices.data(), index_count, 4, index_bytes.data(),
-                                        index_bytes.size()) == 0,
-          "meshoptimizer does not decode");
-    for (std::size_t v = 0; v < vertex_count; ++v) {
-      for (std::size_t k = 0; k < 3; ++k)
-        decoded.positions[3 * v + k] = low[k] + static_cast<float>(vertices[v][k]) / scale;
-    }
-  });
-  return result;
-}
-
-void print(bool csv, const std::string& file, const char* codec, std::size_t triangle_count,
-           const Measurement& m) {
-  const double millions = static_cast<double>(triangle_count) / m.seconds / 1e6;
-  const double output = static_cast<double>(triangle_count) * 18 / m.seconds / 1e6;  // 12 + 12 / 2 bytes
-  if (csv) {
-    std::printf("%s,%s,%zu,%zu,%.6f,%.3f,%.1f,%.1f\n", file.c_str(), codec, triangle_count, m.bytes,
-                m.seconds, millions, output, m.memory_per_triangle);
-  } else {
-    std::printf("  %-14s %10zu bytes %9.2f ms %8.2f Mtriangles/s %8.1f MB/s", codec, m.bytes, m.seconds * 1e3,
-                millions, output);
-    if (m.memory_per_triangle > 0) std::printf("  %.1f bytes of memory per triangle", m.memory_per_triangle);
-    std::printf("\n");
-  }
+  double side = 0;
+  for (int k = 0; k < 3; ++k) side = std::max(side, info.box_max[k] - info.box_min[k]);
+  const double bits = std::ceil(std::log2(side / (rms * info.diagonal * std::sqrt(12.0))));
+  const int same_bits = std::clamp(static_cast<int>(bits), 10, 16);
+  if (!report.csv) std::printf("  on the same triangles, %d bits\n", same_bits);
+  report.add_peers("nmc", mesh, same_bits, runs);
 }
 
 }  // namespace
@@ -205,47 +101,31 @@ int main(int argc, char** argv) {
   // Freed memory stays with the process: page faults of the system are not what is measured.
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 2000000000);
-  bool csv = false;
+  Report report;
   int runs = 7;
   try {
-    std::vector<std::string> files;
+    std::vector<std::string> streams;
     for (int i = 1; i < argc; ++i) {
       const std::string argument = argv[i];
       if (argument == "--csv") {
-        csv = true;
+        report.csv = true;
       } else if (argument == "--runs" && i + 1 < argc) {
         runs = std::max(1, std::atoi(argv[++i]));
       } else {
-        files.push_back(argument);
+        streams.push_back(argument);
       }
     }
-    if (files.empty())
-      throw ToolError(ToolExit::kUsage, "usage: nmc-bench-decode [--csv] [--runs N] FILE.nmc...");
-    if (csv)
-      std::printf("file,codec,triangles,bytes,seconds,million_triangles_per_s,mb_per_s,bytes_per_triangle\n");
-    for (const std::string& file : files) {
-      const std::vector<std::uint8_t> stream = read_file(file);
-      Mesh mesh;
-      nmc_layer layer{};
-      nmc_info info{};
-      const Measurement own = measure_nmc(stream, runs, mesh, layer, info);
-      const std::size_t triangle_count = mesh.indices.size() / 3;
-      const std::string name = file.substr(file.rfind('/') + 1);
-      // Rounding to a step s has a root mean square of s / sqrt(12) along the normal.
-      const double error = layer.has_error ? layer.rms_error : info.diagonal * 1e-4;
-      double size = 0;
-      for (int k = 0; k < 3; ++k) size = std::max(size, info.box_max[k] - info.box_min[k]);
-      const int bits =
-          std::clamp(static_cast<int>(std::ceil(std::log2(size / (error * std::sqrt(12.0))))), 10, 16);
-      if (!csv) std::printf("%s: %zu triangles, peers at %d bits\n", name.c_str(), triangle_count, bits);
-      print(csv, name, "nmc", triangle_count, own);
-      print(csv, name, "draco -cl 7", triangle_count, measure_draco(mesh, bits, 3, runs));
-      print(csv, name, "draco -cl 10", triangle_count, measure_draco(mesh, bits, 0, runs));
-      print(csv, name, "meshoptimizer", triangle_count, measure_meshopt(mesh, bits, runs));
-    }
+    if (streams.empty())
+      throw ToolError(ToolExit::kUsage,
+                      "usage: nmc-bench-decode [--csv] [--runs N] STREAM.nmc[=ORIGINAL]...");
+    report.begin();
+    for (const std::string& stream : streams) run(report, stream, runs);
   } catch (const ToolError& error) {
     std::fprintf(stderr, "nmc-bench-decode: %s\n", error.what());
     return static_cast<int>(error.code());
+  } catch (const Error& error) {
+    std::fprintf(stderr, "nmc-bench-decode: %s\n", error.what());
+    return 2;
   }
   return 0;
 }
