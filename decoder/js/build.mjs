@@ -8,6 +8,8 @@ import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { brotliCompressSync } from 'node:zlib';
 
+import { transform } from 'esbuild';
+
 const here = dirname(fileURLToPath(import.meta.url));
 let directory = process.argv[2];
 if (!directory) {
@@ -17,10 +19,9 @@ if (!directory) {
 const wasm = readFileSync(join(directory, 'nmc_decoder.wasm'));
 if (!process.argv[2]) rmSync(directory, { recursive: true });
 const source = readFileSync(join(here, 'nmc-decoder.src.mjs'), 'utf8');
-const bundle = source.replace("'@MODULE_TEXT@'", () => JSON.stringify(textOfBytes(wasm)));
-// Comments stay in the source; the types beside the module carry what a user reads.
-const [licence, ...lines] = bundle.split('\n');
-const shipped = [licence, ...lines.filter((line) => !/^\s*(\/\/|\/\*\*|\*)/.test(line))].join('\n');
+const licence = source.slice(0, source.indexOf('\n') + 1);
+const { code } = await transform(source, { minify: true, target: 'es2022', format: 'esm' });
+const shipped = licence + code.replace(/['"`]@MODULE_TEXT@['"`]/, () => JSON.stringify(textOfBytes(wasm)));
 writeFileSync(join(here, 'nmc-decoder.mjs'), shipped);
 const size = (bytes) => `${bytes.length} bytes, ${brotliCompressSync(bytes).length} with brotli`;
 console.log(`nmc_decoder.wasm: ${size(wasm)}; nmc-decoder.mjs: ${size(Buffer.from(shipped))}`);

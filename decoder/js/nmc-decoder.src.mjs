@@ -335,6 +335,7 @@ const bodyOf = (response) => {
 async function* piecesOfUrl(url, options, signal, wanted) {
   const { retries = 6, retryDelay = 400, requestInit = {} } = options;
   let received = 0;
+  let hasAnswered = false;
   let tag = null;
   for (let failures = 0; ; ++failures) {
     let problem = null;
@@ -353,6 +354,7 @@ async function* piecesOfUrl(url, options, signal, wanted) {
         throw new NmcError('SOURCE_CHANGED', 'the file was replaced on the server while it was being read');
       }
       tag = newTag;
+      hasAnswered = true;
       let position = response.status === 206 ? received : 0;
       for await (const piece of piecesOfBody(body, signal)) {
         const fresh = piece.subarray(Math.min(piece.length, received - position));
@@ -361,12 +363,12 @@ async function* piecesOfUrl(url, options, signal, wanted) {
         failures = 0;
         if (fresh.length > 0) yield fresh;
       }
-      if (received === 0 || received >= (wanted() ?? 0)) return;
+      if (received >= (wanted() ?? 0)) return;
     } catch (error) {
       if (error instanceof NmcError || signal.aborted) throw error;
       problem = error;
     }
-    if (received === 0 || failures >= retries) {
+    if (!hasAnswered || failures >= retries) {
       if (!problem) return;
       throw new NmcError('NETWORK', `${url}: ${problem.message}`, { byteOffset: received });
     }

@@ -1,18 +1,33 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Compiles the decoder to WebAssembly without a runtime: clang, wasm-ld and a few headers and functions of wasi-libc
-# (Debian packages clang lld wasi-libc libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 libclang-rt-14-dev-wasm32).
+# (Debian packages clang lld binaryen wasi-libc libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 libclang-rt-14-dev-wasm32).
 # One scalar module: a build with -msimd128 was not faster (9.0 against 9.4 million triangles a second), since the
-# entropy decoder is a chain of dependent decisions. The limit on inlining takes a third of the bytes and a tenth of
-# the speed.
-# Usage: [NMC_WASM_FLAGS=-msimd128] build_wasm.sh OUTPUT_DIRECTORY
+# entropy decoder is a chain of dependent decisions. Only the files whose loops run per vertex are compiled for speed,
+# and inlining is limited there too. The linker is called directly, since clang would run the wasm-opt that it finds
+# with options of its own.
+# Usage: build_wasm.sh OUTPUT_DIRECTORY
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 out=$1
 mkdir -p "$out"
-sources=$(ls "$root"/decoder/wasm/*.cpp "$root"/libnmc/common/*.cpp "$root"/libnmc/decode/*.cpp)
-# shellcheck disable=SC2086  # the lists of sources and flags are meant to be split
-clang++ --target=wasm32-wasi -stdlib=libc++ -std=c++20 -O2 -mbulk-memory -mllvm -inline-threshold=60 \
-  -fno-unroll-loops -fno-exceptions -fno-rtti -ffp-contract=off -fno-fast-math -ffunction-sections -fdata-sections \
-  -fvisibility=hidden -DNDEBUG -I"$root" -nostartfiles -Wl,--no-entry -Wl,--gc-sections -Wl,--strip-all \
-  -Wl,-z,stack-size=131072 ${NMC_WASM_FLAGS:-} $sources -o "$out/nmc_decoder.wasm"
+objects=$(mktemp -d)
+trap 'rm -rf "$objects"' EXIT
+for source in "$root"/decoder/wasm/*.cpp "$root"/libnmc/common/*.cpp "$root"/libnmc/decode/*.cpp; do
+  name=$(basename "$source" .cpp)
+  case $name in
+    coefficient_coder|reconstruct|stream_decoder)
+      options="-O2 -mllvm -inline-threshold=20" ;;
+    *) options="-Oz" ;;
+  esac
+  # shellcheck disable=SC2086  # the options are meant to be split
+  clang++ --target=wasm32-wasi -stdlib=libc++ -std=c++20 $options -mbulk-memory -fno-unroll-loops -fno-exceptions \
+    -fno-rtti -ffp-contract=off -fno-fast-math -ffunction-sections -fdata-sections -fvisibility=hidden -DNDEBUG \
+    -I"$root" -c "$source" -o "$objects/$name.o" &
+done
+wait  # a file that failed is missed by the linker
+wasm-ld -m wasm32 --no-entry --gc-sections --strip-all -z stack-size=131072 "$objects"/*.o \
+  -L"$(dirname "$(clang++ --target=wasm32-wasi -print-file-name=libc.a)")" -lc++ -lc++abi -lc "$(clang++ --target=wasm32-wasi -print-libgcc-file-name)" \
+  -o "$objects/linked.wasm"
+wasm-opt -Oz --enable-bulk-memory --enable-mutable-globals --enable-sign-ext --enable-nontrapping-float-to-int \
+  "$objects/linked.wasm" -o "$out/nmc_decoder.wasm"

@@ -7,7 +7,7 @@ import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { Mesh, MeshBasicMaterial, PerspectiveCamera, Raycaster, Vector3 } from 'three';
 
-import { decode } from '../nmc-decoder.mjs';
+import { decode, NmcDecoder } from '../nmc-decoder.mjs';
 import { lengthOfPixels, NMCLoader, NMCMesh } from '../three/nmc-loader.mjs';
 import { refineValues } from '../three/nmc-worker.mjs';
 
@@ -98,10 +98,14 @@ test('loader: load() follows the protocol of loaders', async () => {
 });
 
 test('morph: a finer mesh starts on the coarser one', async () => {
-  const bytes = bytesOf('tensions');
-  const fine = await decode(bytes);
-  const coarse = await decode(bytes, { maxLevel: fine.level - 1 });
-  assert.equal(coarse.level, fine.level - 1);
+  const bytes = bytesOf('level-5-tetrahedron');
+  const decoder = await NmcDecoder.create();
+  decoder.feed(bytes);
+  while (decoder.next() !== 'end');
+  const { level } = decoder.layer;
+  const read = (l) => ({ positions: decoder.readPositions(l), indices: decoder.readIndices(l) });
+  const coarse = read(level - 1);
+  const fine = read(level);
   const start = refineValues(coarse.positions, 3, [{ indices: fine.indices, vertexCount: fine.positions.length / 3 }]);
   assert.deepEqual(start.subarray(0, coarse.positions.length), coarse.positions);
   const area = (positions, indices) => {
@@ -116,7 +120,8 @@ test('morph: a finer mesh starts on the coarser one', async () => {
     return sum;
   };
   const expected = area(coarse.positions, coarse.indices);
-  assert.ok(Math.abs(area(start, fine.indices) - expected) < 1e-5 * expected);
+  const found = area(start, fine.indices);
+  assert.ok(Math.abs(found - expected) < 1e-4 * expected, `${found} instead of ${expected}`);
 });
 
 test('morph: NMCMesh asks for it, and the geometry carries the start', async () => {

@@ -39,6 +39,20 @@ export const nextFrame = () => new Promise((resolve) => {
 });
 
 /**
+ * Resolves once the card has done what it was asked so far: bytes that are sent while it is busy may find no room, and
+ * then the page waits for it.
+ */
+async function cardIsIdle(gl, isOver) {
+  const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  gl.flush();
+  const end = performance.now() + 5000;
+  do await nextFrame();
+  while (!isOver() && !gl.isContextLost() && performance.now() < end &&
+    gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED);
+  gl.deleteSync(fence);
+}
+
+/**
  * Attributes for `pieces`, rows of { array, itemSize, normalized }, null for each null. With a WebGL renderer their
  * bytes are uploaded before the promise resolves, at most `bytesPerFrame` in a frame; `isOver()` ends it early, and
  * then it resolves to null.
@@ -48,7 +62,8 @@ export async function uploadAttributes(pieces, renderer, bytesPerFrame, isOver) 
   const plain = () => pieces.map((piece) => piece && new BufferAttribute(piece.array, piece.itemSize, piece.normalized));
   if (!gl || gl.isContextLost()) return plain();
   const buffers = [];
-  let left = bytesPerFrame;
+  const size = pieces.reduce((sum, piece) => sum + (piece?.array.byteLength ?? 0), 0);
+  let left = size > bytesPerFrame ? 0 : bytesPerFrame;  // what fits one frame comes at once
   for (const piece of pieces) {
     if (!piece) continue;
     const { array } = piece;
@@ -60,7 +75,7 @@ export async function uploadAttributes(pieces, renderer, bytesPerFrame, isOver) 
     const bytes = new Uint8Array(array.buffer, array.byteOffset, array.byteLength);
     for (let start = 0; start < bytes.length;) {
       if (left === 0) {
-        await nextFrame();
+        await cardIsIdle(gl, isOver);
         left = bytesPerFrame;
         if (isOver()) {
           for (const unused of buffers) gl.deleteBuffer(unused);
