@@ -16,6 +16,8 @@ struct Settings {
   std::string corpus;  // folder of the meshes
   std::string output;  // folder for tables, plots and pictures
   std::string coast;   // text file of the coast line, from coast_line.py; empty: that experiment is left out
+  std::string model;   // only models whose name contains this; empty: all
+  bool wants(const std::string& name) const { return name.find(model) != std::string::npos; }
 };
 
 /// Wall and processor time since construction.

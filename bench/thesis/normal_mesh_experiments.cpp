@@ -132,28 +132,34 @@ void run_table_3_1(const Settings& settings) {
   adaptive.adaptive_vertex_count = 140;
   const SphereEnergyWeights even{0, 0.2, 1, 0, 0, true};
   struct Row {
+    std::string name;
     std::function<Model()> make;
     std::optional<Published> published;
   };
   const auto igea = [&] { return load_mesh(settings, "igea.ply"); };
   const auto horse = [&] { return load_mesh(settings, "horse.ply"); };
   const std::vector<Row> rows{
-      {[&] { return on_domain("igea", igea(), 196, 4); }, Published{0.0148, 0.0096, 2.3, 14.9, 136, 121}},
-      {[&] { return on_sphere("igea", igea(), icosahedron, 6); },
+      {"igea domain", [&] { return on_domain("igea", igea(), 196, 4); },
+       Published{0.0148, 0.0096, 2.3, 14.9, 136, 121}},
+      {"igea sphere", [&] { return on_sphere("igea", igea(), icosahedron, 6); },
        Published{0.0156, 0.0099, 2.1, 15.1, 24, 38}},
-      {[&] { return on_domain("horse", horse(), 140, 4); }, Published{0.0117, 0.0081, 1.6, 11.7, 256, 317}},
-      {[&] { return on_sphere("horse", horse(), adaptive, 4, even); },
+      {"horse domain", [&] { return on_domain("horse", horse(), 140, 4); },
        Published{0.0117, 0.0081, 1.6, 11.7, 256, 317}},
-      {[&] { return on_domain("fandisk", load_mesh(settings, "fandisk.obj"), 73, 3); },
+      {"horse sphere", [&] { return on_sphere("horse", horse(), adaptive, 4, even); },
+       Published{0.0117, 0.0081, 1.6, 11.7, 256, 317}},
+      {"fandisk domain", [&] { return on_domain("fandisk", load_mesh(settings, "fandisk.obj"), 73, 3); },
        Published{0.0573, 0.0345, 0.2, 1.5, 103, 104}},
-      {[&] { return on_domain("fandisk", load_mesh(settings, "fandisk.obj"), 73, 3, 40); },
+      {"fandisk domain", [&] { return on_domain("fandisk", load_mesh(settings, "fandisk.obj"), 73, 3, 40); },
        Published{0.0573, 0.0345, 0.2, 1.5, 103, 104}},
-      {[&] { return on_sphere("zone sphere", zone_sphere(7), icosahedron, 6); },
+      {"zone sphere sphere", [&] { return on_sphere("zone sphere", zone_sphere(7), icosahedron, 6); },
        Published{0.0611, 0.0327, 2.8, 17.2, 570, 146}},
-      {[&] { return on_sphere("bimba", load_mesh(settings, "bimba.off"), icosahedron, 5); }, std::nullopt},
-      {[&] { return on_sphere("m1phobos", load_mesh(settings, "m1phobos.obj"), icosahedron, 5); },
+      {"bimba sphere", [&] { return on_sphere("bimba", load_mesh(settings, "bimba.off"), icosahedron, 5); },
+       std::nullopt},
+      {"m1phobos sphere",
+       [&] { return on_sphere("m1phobos", load_mesh(settings, "m1phobos.obj"), icosahedron, 5); },
        std::nullopt}};
   for (const Row& row : rows) {
+    if (!settings.wants(row.name)) continue;
     const Model model = row.make();
     const SurfaceIndex index(model.surface->surface());
     const SurfaceIndex input_index(*model.input);
