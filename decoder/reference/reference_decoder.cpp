@@ -87,7 +87,23 @@ struct LayerTableRow {
   u64 size;
   u32 level;
 };
+/// Section 10.1.
+struct AttributeTable {
+  u32 components = 0;
+  int bits = 0, finest_level = 0;
+  bool has_chroma = false;
+  struct {
+    i64 step[4] = {};
+    i64 opposite_share = 0, near_share = 0;
+  } level[15];
+
+  i64 held(i64 value, u32 c) const {
+    const i64 largest = (1 << bits) - 1;
+    return clamp(value, has_chroma && (c == 1 || c == 2) ? -largest : 0, largest);
+  }
+};
 struct Header {
+  std::vector<AttributeTable> attributes;
   bool has_creases = false;
   double grid_step = 0;
   i64 origin[3] = {};
@@ -113,6 +129,31 @@ constexpr double kEighthRoots[8] = {  // B.3
     1.5422108254079407,
     1.681792830507429,
     1.8340080864093424};
+
+AttributeTable read_attribute(Reader& reader, int level_count) {
+  AttributeTable table;
+  const u64 kind = reader.fixed(1);
+  check(kind != 0, "10.1");
+  table.components = static_cast<u32>(reader.fixed(1));
+  check(table.components >= 1 && table.components <= 4, "10.1");
+  table.bits = static_cast<int>(reader.fixed(1));
+  check(table.bits >= 1 && table.bits <= 14, "10.1");
+  const u64 flags = reader.fixed(1);
+  check(flags < 2, "10.1");
+  table.has_chroma = flags == 1;
+  check((kind != 1 && flags == 0) || table.components >= 3, "10.1");
+  table.finest_level = static_cast<int>(reader.fixed(1));
+  check(table.finest_level <= level_count, "10.1");
+  for (int l = 0; l <= table.finest_level; ++l) {
+    for (u32 c = 0; c < table.components; ++c)
+      check((table.level[l].step[c] = static_cast<i64>(reader.fixed(1))) > 0, "10.1");
+    if (l == 0) continue;
+    const u64 shares = reader.fixed(1);
+    table.level[l].opposite_share = static_cast<i64>(shares & 15) - 4;
+    table.level[l].near_share = static_cast<i64>(shares >> 4);
+  }
+  return table;
+}
 
 Header read_header(const u8* fields, std::size_t size) {
   Reader reader{fields, size};
@@ -153,6 +194,12 @@ Header read_header(const u8* fields, std::size_t size) {
   for (int l = 0; l < h.level_count; ++l) h.step_code[l] = static_cast<int>(reader.fixed(1));
   for (int l = 0; l < h.level_count; ++l) {
     check((h.tension_code[l] = flags & 4 ? static_cast<int>(reader.fixed(1)) : 4) <= 8, "3.3.4");
+  }
+
+  if (flags & 2) {  // 10.1
+    const u64 count = reader.fixed(1);
+    check(count >= 1 && count <= 4, "10.1");
+    for (u64 i = 0; i < count; ++i) h.attributes.push_back(read_attribute(reader, h.level_count));
   }
 
   const u64 row_count = reader.varint();  // 3.3.5
@@ -309,7 +356,8 @@ class TrainedStates {
  public:
   explicit TrainedStates(const char* text) : at_(text) {}
 
-  /// A table of states for each of `level_count` levels; only the first `told_apart` have letters of their own.
+  /// A table of states for each of `level_count` levels; only the first `told_apart` have letters of their
+  /// own.
   void start(AdaptiveBit* states, int count, int level_count = 1, int told_apart = 1) {
     for (int i = 0; i < level_count * count; ++i) {
       if (i < told_apart * count)
@@ -1095,8 +1143,178 @@ double step_of_code(double step, int code) {  // 3.3.4
 
 namespace {
 
+// ---- 10 Attributes ----
+
+/// What is known of one component of a vertex before it is decoded (10.4, 10.5.1).
+struct AttributeContext {
+  i64 prediction = 0, interpolation = 0;
+  int near = 11, slope = 0, bend = 11;
+  i32 sign = 0, bend_sign = 0;
+};
+
+struct AttributeDecoder {
+  std::vector<std::array<i64, 4>> values;  // as coded, per vertex
+  int next_level = 0;
+
+  void decode_level_0(ArithmeticDecoder& code, const AttributeTable& table, const Mesh& base) {
+    std::vector<std::vector<u32>> lower(base.vertex_count);
+    for (const auto& [a, b] : base.edges) lower[std::max(a, b)].push_back(std::min(a, b));
+    i64 run[4] = {};
+    for (u32 v = 0; v < base.vertex_count; ++v) {
+      const i64 n = static_cast<i64>(lower[v].size());
+      std::array<AttributeContext, 4> contexts;
+      for (u32 c = 0; c < table.components; ++c) {
+        AttributeContext& context = contexts[c];
+        const i64 step = table.level[0].step[c];
+        context.near = energy_class(steps(run[c], step));
+        if (n > 0) {
+          i64 sum = 0, least = 1 << 20, largest = -(1 << 20);
+          for (const u32 u : lower[v]) {
+            sum += values[u][c];
+            least = std::min(least, values[u][c]);
+            largest = std::max(largest, values[u][c]);
+          }
+          context.prediction = BaseMeshDecoder::rounded(sum, n);
+          context.slope = energy_class(steps(4 * (largest - least), step));
+          context.bend = 0;
+        } else {
+          const i64 high = table.held(1 << 20, c), low = table.held(-(1 << 20), c);
+          context.prediction = v > 0 ? values[v - 1][c] : (low + high + 1) >> 1;
+        }
+      }
+      decode_vertex(code, table, 0, static_cast<int>(std::min<i64>(n, 4)), contexts);
+      for (u32 c = 0; c < table.components; ++c)
+        run[c] += 2 * std::abs(values[v][c] - contexts[c].prediction) - (run[c] >> 3);
+    }
+  }
+
+  void decode_level(ArithmeticDecoder& code, const AttributeTable& table, int level, const Mesh& coarse) {
+    std::vector<std::array<i64, 4>> deviations;
+    values.resize(coarse.vertex_count);
+    for (u32 e = 0; e < coarse.edges.size(); ++e) {
+      std::vector<u32> near;
+      for (const u32 face : coarse.edge_faces[e]) {
+        if (face == kNone) continue;
+        for (const u32 other : coarse.face_edges[face])
+          if (other < e) near.push_back(other);
+      }
+      const i64 inverse = std::array<i64, 5>{0, 64, 32, 21, 16}[near.size()];
+      std::array<AttributeContext, 4> contexts;
+      for (u32 c = 0; c < table.components; ++c) {
+        AttributeContext& context = contexts[c];
+        const i64 step = table.level[level].step[c];
+        i64 sum = 0, magnitudes = 0;
+        for (const u32 other : near) {
+          sum += deviations[other][c];
+          magnitudes += std::abs(deviations[other][c]);
+        }
+        const i64 a = values[coarse.edges[e][0]][c], b = values[coarse.edges[e][1]][c];
+        context.interpolation = interpolation(table, level, coarse, e, c);
+        context.prediction = table.held(
+            context.interpolation + ((table.level[level].near_share * sum * inverse + 512) >> 10), c);
+        if (!near.empty()) context.near = energy_class(steps((magnitudes * inverse) >> 2, step));
+        context.sign = sign_of(sum);
+        context.slope = energy_class(steps(4 * std::abs(a - b), step));
+        if (!coarse.is_boundary(e)) {
+          const i64 bend = opposite(coarse, e, c) - (a + b);
+          context.bend = energy_class(steps(2 * std::abs(bend), step));
+          context.bend_sign = sign_of(bend);
+        }
+      }
+      decode_vertex(code, table, level, static_cast<int>(near.size()), contexts);
+      deviations.emplace_back();
+      for (u32 c = 0; c < table.components; ++c)
+        deviations.back()[c] = values.back()[c] - contexts[c].interpolation;
+    }
+  }
+
+  /// Sum over the third corners of the faces of an inner edge.
+  i64 opposite(const Mesh& coarse, u32 e, u32 c) const {
+    i64 sum = 0;
+    for (const u32 face : coarse.edge_faces[e]) sum += values[coarse.third_corner(e, face)][c];
+    return sum;
+  }
+  i64 interpolation(const AttributeTable& table, int level, const Mesh& coarse, u32 e, u32 c) const {
+    const i64 ends = values[coarse.edges[e][0]][c] + values[coarse.edges[e][1]][c];
+    if (coarse.is_boundary(e)) return (ends + 1) >> 1;
+    const i64 o = level <= table.finest_level ? table.level[level].opposite_share : 0;
+    return table.held(((8 - o) * ends + o * opposite(coarse, e, c) + 8) >> 4, c);
+  }
+
+ private:
+  static i64 steps(i64 x, i64 step) { return (x * (65536 / step)) >> 16; }
+
+  struct ComponentStates {
+    AdaptiveBit zero_near[8][12][5], zero_shape[11][12], zero_others[12][9], zero_slope[12][11],
+        zero_level[8][9];
+    AdaptiveBit sign_near[3][3], sign_others[3][3][3], sign_shape[3][12];
+    AdaptiveBit more_near[12][14], more_slope[11][14], more_others[9][14], more_level[8][14];
+    Mixer zero_mixer[8], sign_mixer, more_mixer[14];
+    Number escape;
+  };
+
+  /// 10.5.2; appends the values of one vertex.
+  void decode_vertex(ArithmeticDecoder& code, const AttributeTable& table, int level, int n,
+                     const std::array<AttributeContext, 4>& contexts) {
+    const int lc = std::min(level, 7);
+    const AttributeContext& first = contexts[0];
+    int chroma = 0;
+    for (u32 c = 1; c < table.components; ++c) chroma = std::max(chroma, contexts[c].near);
+    const int open =
+        open_mixer_[lc].decode(code,
+                               {&open_near_[lc][first.near][n], &open_shape_[first.slope][first.bend],
+                                &open_chroma_[first.near][chroma], &open_slope_[first.near][first.slope],
+                                &open_history_[history_ & 15][chroma]},
+                               kSlow);
+    history_ = 2 * history_ + static_cast<u32>(open);
+    std::array<i64, 4> q{};
+    bool all_zero = true;
+    for (u32 c = 0; open && c < table.components; ++c) {
+      ComponentStates& states = components_[c];
+      const AttributeContext& k = contexts[c];
+      const auto small = [&](u32 i) { return static_cast<int>(std::min<i64>(std::abs(q[i]), 2)); };
+      const int others = c == 0 ? 0 : c == 1 ? small(0) : 3 * small(0) + small(1);
+      const bool is_known = c + 1 == table.components && all_zero;
+      if (!is_known && !states.zero_mixer[lc].decode(
+                           code,
+                           {&states.zero_near[lc][k.near][n], &states.zero_shape[k.slope][k.bend],
+                            &states.zero_others[k.near][others], &states.zero_slope[k.near][k.slope],
+                            &states.zero_level[lc][others]},
+                           kSlow))
+        continue;
+      all_zero = false;
+      const i32 s0 = c > 0 ? sign_of(q[0]) : 0, s1 = c > 1 ? sign_of(q[1]) : 0;
+      const int negative = states.sign_mixer.decode(
+          code,
+          {&states.sign_near[k.sign + 1][k.bend_sign + 1], &states.sign_others[s0 + 1][s1 + 1][k.sign + 1],
+           &states.sign_shape[k.bend_sign + 1][k.bend]},
+          kSlow);
+      u64 more = 0;
+      while (more < 14 && states.more_mixer[more].decode(
+                              code,
+                              {&states.more_near[k.near][more], &states.more_slope[k.slope][more],
+                               &states.more_others[others][more], &states.more_level[lc][more]},
+                              kFast))
+        ++more;
+      if (more == 14) more += states.escape.decode(code);
+      const i64 magnitude = std::min<i64>(static_cast<i64>(more) + 1, (1 << 15) - 1);
+      q[c] = negative ? -magnitude : magnitude;
+    }
+    values.emplace_back();
+    for (u32 c = 0; c < table.components; ++c)
+      values.back()[c] = table.held(contexts[c].prediction + table.level[level].step[c] * q[c], c);
+  }
+
+  AdaptiveBit open_near_[8][12][5], open_shape_[11][12], open_chroma_[12][12], open_slope_[12][11],
+      open_history_[16][12];
+  Mixer open_mixer_[8];
+  ComponentStates components_[4];
+  u32 history_ = 0;
+};
+
 struct Stream {
   Header header;
+  AttributeDecoder attributes[4];
   int base_layer = -1;
   BaseMeshDecoder base_decoder;
   GeometryDecoder geometry_decoder;
@@ -1135,6 +1353,8 @@ struct Stream {
       decode_correction(payload, size);
     } else if (type == 3) {
       decode_geometry(payload, size, end_offset, limits);
+    } else if (type == 4) {
+      decode_attribute(payload, size, end_offset, limits);
     } else if (type < 0x80) {
       fail(Code::kFeature, "3.2");
     }
@@ -1190,6 +1410,48 @@ struct Stream {
         std::copy(level.value.begin(), level.value.end(), inserted.begin() + topology.vertex_count);
       });
     }
+  }
+
+  void decode_attribute(const u8* payload, std::size_t size, u64 end_offset, const Limits& limits) {  // 10.3
+    check(size >= 3, "10.3");
+    const u32 index = payload[0];
+    const int first = payload[1], count = payload[2];
+    check(count > 0 && first + count <= header.level_count + 1, "10.3");
+    check(base_layer >= 0, "10.3");
+    ArithmeticDecoder code(payload + 3, size - 3);
+    for (int l = first; l < first + count; ++l) {
+      if (const char* section = forbids(l, end_offset, limits)) fail(Code::kLimit, section);
+      decode_part(code, [&] {
+        check(index < header.attributes.size() && l <= header.attributes[index].finest_level, "10.3");
+        AttributeDecoder& attribute = attributes[index];
+        check(l == attribute.next_level, "10.3");
+        if (l == 0)
+          attribute.decode_level_0(code, header.attributes[index], meshes[0]);
+        else
+          attribute.decode_level(code, header.attributes[index], l, mesh(l - 1));
+        attribute.next_level = l + 1;
+      });
+    }
+  }
+
+  /// 9.4; 0 where no values have come.
+  u64 attribute_hash(u32 index, int level) {
+    const AttributeTable& table = header.attributes[index];
+    AttributeDecoder known = attributes[index];
+    if (known.next_level == 0) return 0;
+    for (int l = known.next_level; l <= level; ++l) {
+      const Mesh& coarse = mesh(l - 1);
+      known.values.resize(coarse.vertex_count);
+      for (u32 e = 0; e < coarse.edges.size(); ++e) {
+        std::array<i64, 4> predicted{};
+        for (u32 c = 0; c < table.components; ++c) predicted[c] = known.interpolation(table, l, coarse, e, c);
+        known.values.push_back(predicted);
+      }
+    }
+    std::vector<u32> words;
+    for (u64 v = 0; v < vertices_of_level(level); ++v)
+      for (u32 c = 0; c < table.components; ++c) words.push_back(static_cast<u32>(known.values[v][c]));
+    return hash_of(words);
   }
 
   // ---- 6.2 Prediction ----
@@ -1325,9 +1587,12 @@ struct Stream {
   }
 
   Row row_at(u64 end_offset, u32 shown_level, const Limits& limits) {
-    Row row{end_offset, shown_level, state_hash(), 0, 0};
+    Row row{end_offset, shown_level, state_hash(), 0, 0, {}};
     const int level = static_cast<int>(shown_level);
-    if (forbids(level, end_offset, limits)) return row;
+    if (forbids(level, end_offset, limits)) {
+      row.attribute_hashes.assign(header.attributes.size(), 0);
+      return row;
+    }
     std::vector<u32> words;
     for (const Vec3& p : positions(level)) {
       for (const double coordinate : {p.x, p.y, p.z}) {
@@ -1342,6 +1607,8 @@ struct Stream {
     words.clear();
     for (const auto& face : mesh(level).faces) words.insert(words.end(), face.begin(), face.end());
     row.index_hash = hash_of(words);
+    for (u32 i = 0; i < header.attributes.size(); ++i)
+      row.attribute_hashes.push_back(attribute_hash(i, level));
     return row;
   }
 };

@@ -41,6 +41,7 @@ struct Row {
   std::uint64_t state_hash = 0;
   std::uint64_t position_hash = 0;
   std::uint64_t index_hash = 0;  // the hash of 9.3 over three vertices per face
+  std::vector<std::uint64_t> attribute_hashes = {};  // 9.4; 0 for attributes that have not come
 };
 
 struct Decoding {

@@ -49,7 +49,7 @@ TEST_CASE("conformance: the reference decoder agrees with every vector", "[confo
     for (std::size_t i = 0; i < decoding.rows.size(); ++i) {
       const nmc_reference::Row& row = decoding.rows[i];
       CHECK(DecodedLayer{static_cast<std::uint32_t>(i), row.level, row.end_offset, row.state_hash,
-                         row.position_hash} == vector.layers[i]);
+                         row.position_hash, row.attribute_hashes} == vector.layers[i]);
     }
   }
 }

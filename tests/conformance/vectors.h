@@ -58,6 +58,8 @@ inline std::vector<Vector> read_vectors() {
       vector.layers.push_back({static_cast<std::uint32_t>(vector.layers.size()),
                                row["level"].get<std::uint32_t>(), row["endByte"].get<std::uint64_t>(),
                                hash("stateHash"), hash("positionHash")});
+      for (const Json& text : row.value("attributeHashes", Json::array()))
+        vector.layers.back().attribute_hashes.push_back(std::stoull(text.get<std::string>(), nullptr, 16));
     }
     std::ifstream stream(kVectors / vector.id / "stream.nmc", std::ios::binary);
     INFO("vector " << vector.id);

@@ -47,7 +47,8 @@ inline std::string difference(const std::vector<std::uint8_t>& bytes, const nmc_
     const nmc_reference::Row& row = reference.rows[i];
     agrees = library.layers[i].end_offset == row.end_offset && library.layers[i].level == row.level &&
              library.layers[i].state_hash == row.state_hash &&
-             library.layers[i].position_hash == row.position_hash;
+             library.layers[i].position_hash == row.position_hash &&
+             library.layers[i].attribute_hashes == row.attribute_hashes;
   }
   if (agrees && library.status == NMC_OK && !reference.rows.empty()) {
     agrees = index_hash(decoder, reference.rows.back().level) == reference.rows.back().index_hash;

@@ -69,10 +69,11 @@ class VectorWriter {
     }
     Json layers = Json::array();
     for (const DecodedLayer& layer : decoding.layers) {
-      layers.push_back({{"level", layer.level},
-                        {"endByte", layer.end_offset},
-                        {"stateHash", hash_text(layer.state_hash)},
-                        {"positionHash", hash_text(layer.position_hash)}});
+      layers.push_back(with_attributes({{"level", layer.level},
+                                        {"endByte", layer.end_offset},
+                                        {"stateHash", hash_text(layer.state_hash)},
+                                        {"positionHash", hash_text(layer.position_hash)}},
+                                       layer));
     }
     Json expected = {{"id", id},
                      {"section", decoding.error.spec_section},
@@ -92,10 +93,17 @@ class VectorWriter {
 
  private:
   static Json layer_of(const ExpectedLayer& layer) {
-    return {{"level", layer.level},
-            {"endByte", layer.end_offset},
-            {"stateHash", hash_text(layer.state_hash)},
-            {"positionHash", hash_text(layer.position_hash)}};
+    return with_attributes({{"level", layer.level},
+                            {"endByte", layer.end_offset},
+                            {"stateHash", hash_text(layer.state_hash)},
+                            {"positionHash", hash_text(layer.position_hash)}},
+                           layer);
+  }
+  /// Rows of streams without attributes have no member for them.
+  template <class Layer>
+  static Json with_attributes(Json row, const Layer& layer) {
+    for (const std::uint64_t hash : layer.attribute_hashes) row["attributeHashes"].push_back(hash_text(hash));
+    return row;
   }
   void write(const std::string& id, const Json& expected, const Bytes& bytes) {
     fs::create_directories(root_ / id);
@@ -334,6 +342,80 @@ void add_chunk_vectors(VectorWriter& writer) {
                     {{"maxBaseVertices", 11}});
 }
 
+void add_attribute_vectors(VectorWriter& writer) {
+  const auto colored = [](SmallMesh base, int level_count, int attribute_count) {
+    StreamRecipe recipe = recipe_of(std::move(base), level_count);
+    recipe.attribute_count = attribute_count;
+    return recipe;
+  };
+  const auto add = [&](const std::string& id, const std::string& section, const std::string& what,
+                       const StreamRecipe& recipe) { writer.add_valid(id, section, what, generate(recipe)); };
+  add("colours-base", "10.4", "colours of a base mesh alone", colored(grid(4, 3, true), 0, 1));
+  add("colours-closed", "10.4", "colours of a closed mesh", colored(grid(4, 3, true), 3, 1));
+  add("colours-boundary", "10.4", "colours beside a boundary", colored(fan(5, true), 3, 1));
+  StreamRecipe dense = colored(bipyramid(7), 2, 1);
+  dense.density = 1;
+  add("colours-dense", "10.5.2", "no correction is zero", dense);
+  add("attributes-four", "10.1", "four attributes of other shapes", colored(grid(3, 3, false), 2, 4));
+  StreamRecipe grouped = colored(grid(4, 3, true), 3, 2);
+  grouped.one_layer_per_chunk = false;
+  grouped.quality_layer_count = 2;
+  add("attributes-share-a-chunk", "10.3", "several levels in a chunk, quality layers", grouped);
+  const GeneratedStream good = generate(colored(fan(5, true), 2, 1));
+  for (std::size_t row = 0; row < 2; ++row) {
+    writer.add_prefix("colours-prefix-" + std::to_string(row), "colours that are cut off", good,
+                      static_cast<std::size_t>(good.layers[row].end_offset) + 9);
+  }
+
+  const auto broken_table = [&](const std::string& id, const std::string& what, std::size_t index,
+                                std::uint8_t value) {
+    HeaderFields header;
+    header.flags = 2;
+    header.attributes[index] = value;
+    writer.add_broken("attribute-" + id, what, NMC_ERR_CORRUPT, header.bytes());
+  };
+  broken_table("none", "a table of no attributes", 0, 0);
+  broken_table("five", "a table of five attributes", 0, 5);
+  broken_table("kind", "kind 0", 1, 0);
+  broken_table("components", "five components", 2, 5);
+  broken_table("colour-of-two", "a colour of two components", 2, 2);
+  broken_table("bits", "fifteen bits", 3, 15);
+  broken_table("flag", "a reserved flag", 4, 2);
+  broken_table("level", "values for level 3 of two", 5, 3);
+  broken_table("step", "a step of zero", 7, 0);
+
+  HeaderFields header;
+  header.flags = 2;
+  Header plain;
+  plain.base_vertex_count = plain.base_face_count = 4;
+  plain.level_count = 2;
+  plain.step_code[0] = plain.step_code[1] = 64;
+  plain.tangential_code = 64;
+  StreamWriter once(plain);
+  Array<std::uint32_t> order;
+  const std::int32_t corners[12] = {0, 0, 0, 9, 0, 0, 0, 9, 0, 0, 0, 9};
+  require(once.add_base(tetrahedron().faces[0].data(), corners, nullptr, order));
+  const Bytes base(once.chunks().begin(), once.chunks().end());
+  const auto values = [](std::uint8_t attribute, std::uint8_t first, std::uint8_t count) {
+    Bytes payload = {attribute, first, count};
+    for (int i = 0; i < 60; ++i) payload.push_back(static_cast<std::uint8_t>(37 * i));
+    return chunk(4, payload);
+  };
+  const auto broken_chunk = [&](const std::string& id, const std::string& what,
+                                const std::vector<Bytes>& chunks) {
+    writer.add_broken("attribute-" + id, what, NMC_ERR_CORRUPT, stream_with(header, chunks));
+  };
+  broken_chunk("before-base", "values before the base mesh", {values(0, 0, 1), base});
+  broken_chunk("too-short", "two bytes of payload", {base, chunk(4, {0, 0})});
+  broken_chunk("no-levels", "a chunk of no levels", {base, values(0, 0, 0)});
+  broken_chunk("level-too-fine", "levels 0 to 3 of two", {base, values(0, 0, 4)});
+  broken_chunk("not-announced", "attribute 1 of one", {base, values(1, 0, 1)});
+  broken_chunk("level-not-announced", "level 2 of one that has 0 and 1", {base, values(0, 0, 3)});
+  broken_chunk("level-skipped", "level 1 before level 0", {base, values(0, 1, 1)});
+  broken_chunk("level-twice", "level 0 twice", {base, values(0, 0, 1), values(0, 0, 1)});
+  broken_chunk("overread", "values that need more bytes than they have", {base, chunk(4, {0, 0, 2})});
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -347,5 +429,6 @@ int main(int argc, char** argv) {
   add_valid_vectors(writer);
   add_header_vectors(writer);
   add_chunk_vectors(writer);
+  add_attribute_vectors(writer);
   return writer.finish() ? 0 : 1;
 }
