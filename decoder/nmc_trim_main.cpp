@@ -7,11 +7,10 @@
 #include <filesystem>
 #include <optional>
 
+#include "decoder/tool/cut_stream.h"
 #include "decoder/tool/quantity.h"
 #include "decoder/tool/stream_source.h"
 #include "decoder/tool/tool_main.h"
-#include "libnmc/decode/header_parser.h"
-#include "libnmc/encode/stream_writer.h"
 
 namespace {
 
@@ -23,21 +22,12 @@ struct Arguments {
   bool force = false, quiet = false;
 };
 
-/// Header with the rows up to `last_row`, and the chunks that belong to them.
-Array<std::uint8_t> cut_behind(const std::vector<std::uint8_t>& bytes, std::uint32_t last_row) {
-  std::size_t header_size = 0;
-  Header header;
+/// The stream up to the end of row `last_row`.
+Array<std::uint8_t> cut_to_row(const std::vector<std::uint8_t>& bytes, std::uint32_t last_row) {
   Array<std::uint8_t> result;
-  if (!measure_header(bytes.data(), bytes.size(), header_size).ok() ||
-      !parse_header(bytes.data(), header_size, header).ok()) {
-    throw ToolError(ToolExit::kInternal, "the header cannot be read a second time");
-  }
-  std::size_t end = header_size;
-  for (std::uint32_t i = 0; i <= last_row; ++i) end += static_cast<std::size_t>(header.layers[i].size);
-  if (!header.layers.resize(last_row + 1) || !write_header(header, result).ok() ||
-      !result.append(bytes.data() + header_size, end - header_size)) {
-    throw std::bad_alloc();
-  }
+  const Status status = cut_behind(bytes, last_row, result);
+  if (status.code == StatusCode::kNoMemory) throw std::bad_alloc();
+  if (!status.ok()) throw ToolError(ToolExit::kInternal, "the header cannot be read a second time");
   return result;
 }
 
@@ -90,10 +80,10 @@ ToolExit trim(const Arguments& arguments) {
     check(status);
     complete += event == NMC_EVENT_LAYER;
   }
-  Array<std::uint8_t> result = cut_behind(bytes, row);
+  Array<std::uint8_t> result = cut_to_row(bytes, row);
   if (!arguments.size.empty()) {
     const double limit = parse_size(arguments.size);
-    while (static_cast<double>(result.size()) > limit && row > 0) result = cut_behind(bytes, --row);
+    while (static_cast<double>(result.size()) > limit && row > 0) result = cut_to_row(bytes, --row);
     is_met = static_cast<double>(result.size()) <= limit;
   }
   if (!is_met) {
@@ -101,7 +91,7 @@ ToolExit trim(const Arguments& arguments) {
     throw ToolError(ToolExit::kTargetNotMet,
                     arguments.input +
                         (by_error ? ": the whole stream does not reach that error"
-                                  : ": the first layer takes " + bytes_text(cut_behind(bytes, 0).size()) +
+                                  : ": the first layer takes " + bytes_text(cut_to_row(bytes, 0).size()) +
                                         " and is too large") +
                         "; nothing was written");
   }
