@@ -74,7 +74,7 @@ int run(const nmc::EncodeArguments& arguments) {
   if (!one_file) {
     for (const auto& [name, value] :
          {std::pair{"-o", &arguments.output}, std::pair{"--report", &arguments.report},
-          std::pair{"--emit-map", &arguments.vertex_map}}) {
+          std::pair{"--emit-map", &arguments.vertex_map}, std::pair{"--glb", &arguments.glb}}) {
       if (!value->empty())
         throw Error(ExitCode::kUsage,
                     fmt::format("{} names one file, but there are several inputs; see --output-dir", name));

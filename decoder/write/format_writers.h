@@ -16,9 +16,9 @@ void write_obj(const MeshView& mesh, OutputFile& file);
 void write_stl(const MeshView& mesh, OutputFile& file);
 void write_off(const MeshView& mesh, OutputFile& file);
 
-/// Why GLB cannot hold `mesh`; empty where it can.
-std::string reason_against_glb(const MeshView& mesh);
-void write_glb(const MeshView& mesh, OutputFile& file);
+/// Why GLB cannot hold `mesh` and the stream that refines it (null: none); empty where it can.
+std::string reason_against_glb(const MeshView& mesh, const ProgressiveStream* progressive);
+void write_glb(const MeshView& mesh, const ProgressiveStream* progressive, OutputFile& file);
 
 }  // namespace nmc
 

@@ -22,21 +22,23 @@ constexpr double kFarInDiagonals = 16;
 using Point = std::array<double, 3>;
 
 struct Layout {
-  std::uint64_t positions = 0, normals = 0, colors = 0, indices = 0,
+  std::uint64_t positions = 0, normals = 0, colors = 0, indices = 0, stream = 0,
                 end = 0;  // byte offsets in the binary chunk
 
-  explicit Layout(const MeshView& mesh) {
+  Layout(const MeshView& mesh, const ProgressiveStream* progressive) {
     const std::uint64_t count = mesh.vertex_count();
     normals = positions + kPositionSize * count;
     colors = normals + (mesh.normals.empty() ? 0 : kNormalSize * count);
     indices = colors + (mesh.colors.empty() ? 0 : kColorSize * count);
-    end = indices + kIndexSize * mesh.triangles.size();
+    stream = indices + kIndexSize * mesh.triangles.size();
+    end = stream + (progressive ? (progressive->bytes.size() + 3) / 4 * 4 : 0);
   }
 };
 
-/// Where positions are stored relative to: the origin, or the centre of a box far away from it.
-Point stored_origin(const MeshView& mesh) {
-  if (!mesh.is_double()) return {0, 0, 0};
+/// Where positions are stored relative to: the origin, or the centre of a box far away from it. Beside a
+/// stream always the origin, since its positions are in model units, and viewers swap one mesh for the other.
+Point stored_origin(const MeshView& mesh, const ProgressiveStream* progressive) {
+  if (!mesh.is_double() || progressive) return {0, 0, 0};
   Point minimum, maximum;
   minimum.fill(std::numeric_limits<double>::infinity());
   maximum.fill(-std::numeric_limits<double>::infinity());
@@ -114,8 +116,34 @@ class AccessorList {
   std::string bounds_, views_, accessors_;
 };
 
-std::string json_chunk(const MeshView& mesh, const Layout& layout, const Point& origin) {
+/// The extension of a primitive whose stream is buffer view `view` (docs/NMC_progressive_mesh).
+std::string progressive_extension(const ProgressiveStream& stream, std::size_t view, bool has_colors) {
+  std::string json = R"(,"extensions":{"NMC_progressive_mesh":{"bufferView":)" + std::to_string(view);
+  json += R"(,"attributes":["POSITION","NORMAL")" + std::string(has_colors ? R"(,"COLOR_0")" : "") + "]";
+  json += R"(,"bounds":{"min":)";
+  append_vector(json, stream.box_minimum);
+  json += R"(,"max":)";
+  append_vector(json, stream.box_maximum);
+  json += R"(},"layers":[)";
+  bool is_first = true;
+  for (const ProgressiveLayer& layer : stream.layers) {
+    if (!is_first) json.push_back(',');
+    is_first = false;
+    json += R"({"byteLength":)" + std::to_string(layer.byte_length) + R"(,"triangles":)" +
+            std::to_string(layer.triangle_count);
+    if (layer.has_error) {
+      json += R"(,"geometricError":)";
+      append_number(json, layer.maximum_error);
+    }
+    json.push_back('}');
+  }
+  return json + "]}}";
+}
+
+std::string json_chunk(const MeshView& mesh, const Layout& layout, const Point& origin,
+                       const ProgressiveStream* progressive) {
   std::string json = R"({"asset":{"version":"2.0","generator":"nmc"},"scene":0,)";
+  if (progressive) json += R"("extensionsUsed":["NMC_progressive_mesh"],)";
   if (mesh.triangles.empty()) {
     // An accessor cannot have zero elements, so a mesh without triangles is a scene without nodes.
     json += R"("scenes":[{}]})";
@@ -154,13 +182,21 @@ std::string json_chunk(const MeshView& mesh, const Layout& layout, const Point& 
   // The default material is a metal, which is black wherever a viewer has no environment to mirror.
   json += R"(}],"materials":[{"pbrMetallicRoughness":{"metallicFactor":0},"doubleSided":true}],)";
   json += R"("meshes":[{"primitives":[{"attributes":{)" + attributes + R"(},"indices":)" + indices +
-          R"(,"material":0}]}],)";
-  json += R"("buffers":[{"byteLength":)" + std::to_string(layout.end) + R"(}],"bufferViews":[)" +
-          list.views() + R"(],"accessors":[)" + list.accessors() + "]}";
+          R"(,"material":0)";
+  std::string views = list.views();
+  if (progressive) {
+    json += progressive_extension(*progressive, list.count(), !mesh.colors.empty());
+    views += R"(,{"buffer":0,"byteOffset":)" + std::to_string(layout.stream) + R"(,"byteLength":)" +
+             std::to_string(progressive->bytes.size()) + "}";
+  }
+  json += "}]}],";
+  json += R"("buffers":[{"byteLength":)" + std::to_string(layout.end) + R"(}],"bufferViews":[)" + views +
+          R"(],"accessors":[)" + list.accessors() + "]}";
   return json;
 }
 
-void write_binary_chunk(const MeshView& mesh, const Point& origin, BlockWriter& out) {
+void write_binary_chunk(const MeshView& mesh, const Point& origin, const ProgressiveStream* progressive,
+                        BlockWriter& out) {
   for (std::size_t i = 0; i < 3 * mesh.vertex_count(); ++i) {
     append_little_endian(out.block(), stored_coordinate(mesh, origin, i));
     out.flush_if_full();
@@ -181,27 +217,34 @@ void write_binary_chunk(const MeshView& mesh, const Point& origin, BlockWriter& 
     append_little_endian(out.block(), index);
     out.flush_if_full();
   }
+  if (!progressive) return;
+  const std::size_t size = progressive->bytes.size();
+  for (std::size_t i = 0; i < (size + 3) / 4 * 4; ++i) {
+    append_little_endian(out.block(), i < size ? progressive->bytes[i] : std::uint8_t{0});
+    out.flush_if_full();
+  }
 }
 
 }  // namespace
 
-std::string reason_against_glb(const MeshView& mesh) {
+std::string reason_against_glb(const MeshView& mesh, const ProgressiveStream* progressive) {
   if (mesh.triangles.empty()) return {};
-  constexpr std::uint64_t kRoomForJson = 4096;
-  if (Layout(mesh).end > kMaximumSize - kRoomForJson)
+  constexpr std::uint64_t kRoomForJson = 4096, kRoomPerLayer = 128;
+  const std::uint64_t layer_count = progressive ? progressive->layers.size() : 0;
+  if (Layout(mesh, progressive).end > kMaximumSize - kRoomForJson - kRoomPerLayer * layer_count)
     return "GLB files end at 4 GiB, and this mesh needs more";
-  const Point origin = stored_origin(mesh);
+  const Point origin = stored_origin(mesh, progressive);
   for (std::size_t i = 0; i < 3 * mesh.vertex_count(); ++i)
     if (!std::isfinite(stored_coordinate(mesh, origin, i)))
       return "glTF cannot hold a coordinate that is not finite in single precision";
   return {};
 }
 
-void write_glb(const MeshView& mesh, OutputFile& file) {
-  const Layout layout(mesh);
+void write_glb(const MeshView& mesh, const ProgressiveStream* progressive, OutputFile& file) {
+  const Layout layout(mesh, progressive);
   const bool has_binary_chunk = !mesh.triangles.empty();
-  const Point origin = has_binary_chunk ? stored_origin(mesh) : Point{0, 0, 0};
-  std::string json = json_chunk(mesh, layout, origin);
+  const Point origin = has_binary_chunk ? stored_origin(mesh, progressive) : Point{0, 0, 0};
+  std::string json = json_chunk(mesh, layout, origin, progressive);
   json.resize((json.size() + 3) / 4 * 4, ' ');
   BlockWriter out(file);
   std::string& bytes = out.block();
@@ -214,7 +257,7 @@ void write_glb(const MeshView& mesh, OutputFile& file) {
   if (!has_binary_chunk) return;
   append_little_endian(bytes, static_cast<std::uint32_t>(layout.end));
   bytes += std::string("BIN\0", 4);
-  write_binary_chunk(mesh, origin, out);
+  write_binary_chunk(mesh, origin, progressive, out);
 }
 
 }  // namespace nmc

@@ -29,16 +29,17 @@ const char* defect_of(const MeshView& mesh) {
   return nullptr;
 }
 
+WriteStatus refused(const std::string& path, WriteOutcome outcome, const std::string& reason) {
+  return {outcome, (path == "-" ? "standard output" : path) + ": " + reason};
+}
+
 }  // namespace
 
 WriteStatus write_mesh(const std::string& path, const MeshView& mesh, OutputFormat format) {
-  const auto refused = [&](WriteOutcome outcome, const std::string& reason) {
-    return WriteStatus{outcome, (path == "-" ? "standard output" : path) + ": " + reason};
-  };
-  if (const char* const defect = defect_of(mesh)) return refused(WriteOutcome::kInvalidMesh, defect);
+  if (const char* const defect = defect_of(mesh)) return refused(path, WriteOutcome::kInvalidMesh, defect);
   if (format == OutputFormat::kGlb) {
-    const std::string reason = reason_against_glb(mesh);
-    if (!reason.empty()) return refused(WriteOutcome::kUnsupported, reason);
+    const std::string reason = reason_against_glb(mesh, nullptr);
+    if (!reason.empty()) return refused(path, WriteOutcome::kUnsupported, reason);
   }
   OutputFile file(path);
   switch (format) {
@@ -58,9 +59,23 @@ WriteStatus write_mesh(const std::string& path, const MeshView& mesh, OutputForm
       write_off(mesh, file);
       break;
     case OutputFormat::kGlb:
-      write_glb(mesh, file);
+      write_glb(mesh, nullptr, file);
       break;
   }
+  if (!file.commit()) return {WriteOutcome::kInputOutput, file.error()};
+  return {};
+}
+
+WriteStatus write_progressive_glb(const std::string& path, const MeshView& coarse,
+                                  const ProgressiveStream& stream) {
+  if (const char* const defect = defect_of(coarse)) return refused(path, WriteOutcome::kInvalidMesh, defect);
+  if (coarse.triangles.empty()) {
+    return refused(path, WriteOutcome::kInvalidMesh, "the coarse mesh has no triangles");
+  }
+  const std::string reason = reason_against_glb(coarse, &stream);
+  if (!reason.empty()) return refused(path, WriteOutcome::kUnsupported, reason);
+  OutputFile file(path);
+  write_glb(coarse, &stream, file);
   if (!file.commit()) return {WriteOutcome::kInputOutput, file.error()};
   return {};
 }

@@ -3,6 +3,7 @@
 #ifndef NMC_DECODER_WRITE_MESH_WRITER_H_
 #define NMC_DECODER_WRITE_MESH_WRITER_H_
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -57,6 +58,26 @@ struct [[nodiscard]] WriteStatus {
 /// (see output_file.h). Numbers in text are the shortest that read back to the same value. O(size of the
 /// mesh), with constant memory besides it.
 WriteStatus write_mesh(const std::string& path, const MeshView& mesh, OutputFormat format);
+
+/// A state of a stream, as a viewer chooses it.
+struct ProgressiveLayer {
+  std::uint64_t byte_length = 0;  // of the prefix that gives it
+  std::uint64_t triangle_count = 0;
+  bool has_error = false;
+  double maximum_error = 0;  // in model units
+};
+
+/// A stream that refines a plain mesh.
+struct ProgressiveStream {
+  std::span<const std::uint8_t> bytes;
+  std::array<double, 3> box_minimum{}, box_maximum{};  // of the finest mesh
+  std::span<const ProgressiveLayer> layers;
+};
+
+/// A GLB whose plain mesh is `coarse`, with triangles, and whose primitive carries `stream` in the extension
+/// NMC_progressive_mesh: programs that do not know it draw the coarse mesh, others refine it.
+WriteStatus write_progressive_glb(const std::string& path, const MeshView& coarse,
+                                  const ProgressiveStream& stream);
 
 /// "ply", "obj", "stl", "off" or "glb" in any case, with or without a leading dot: the format of a file
 /// extension.

@@ -84,6 +84,8 @@ void declare_options(CLI::App& app, EncodeArguments& arguments) {
   app.add_option(
       "--emit-map", arguments.vertex_map,
       "write for each vertex of INPUT where it went, as CSV: base face, u, v, height over the result");
+  app.add_option("--glb", arguments.glb,
+                 "write a GLB too: a coarse plain mesh that carries the stream (NMC_progressive_mesh)");
   app.add_option("-j,--threads", arguments.threads, "threads; 0: all. The output does not depend on it");
   app.add_option("--memory-limit", arguments.memory_limit,
                  "give up with exit code 6 instead of taking more memory: 4GB, 500MiB");

@@ -24,7 +24,7 @@ struct EncodeArguments {
   std::string domain = "general", colour = "auto";
   int layers = 1;
   double crease = 0;
-  std::string repair = "auto", units, up, report, vertex_map, progress = "auto", memory_limit;
+  std::string repair = "auto", units, up, report, vertex_map, glb, progress = "auto", memory_limit;
   double timeout_seconds = 0;
   unsigned threads = 0;
   bool force = false, quiet = false, strict = false, keep_holes = false, verify = false, dry_run = false;

@@ -17,6 +17,7 @@
 #include "encoder/pipeline/encode_report.h"
 #include "encoder/read/mesh_reader.h"
 #include "encoder/tool/progress_line.h"
+#include "encoder/tool/progressive_glb.h"
 #include "encoder/tool/vertex_map.h"
 
 namespace nmc {
@@ -105,6 +106,7 @@ ExitCode encode_file(const EncodeArguments& arguments, const std::string& input_
   const Stopwatch watch;
   EncodeOptions options = options_of(arguments);
   if (!arguments.dry_run) check_writable(output, arguments.force);
+  if (!arguments.dry_run && !arguments.glb.empty()) check_writable(arguments.glb, arguments.force);
 
   const bool on_terminal = isatty(STDERR_FILENO) != 0;
   ProgressLine line(!arguments.quiet &&
@@ -166,7 +168,10 @@ ExitCode encode_file(const EncodeArguments& arguments, const std::string& input_
   line.clear();
   context.seconds = watch.seconds();
 
-  if (!arguments.dry_run) write_file(output, result.stream.bytes.data(), result.stream.bytes.size());
+  if (!arguments.dry_run) {
+    write_file(output, result.stream.bytes.data(), result.stream.bytes.size());
+    if (!arguments.glb.empty()) write_stream_as_glb(arguments.glb, result.stream.bytes);
+  }
   if (!arguments.report.empty()) {
     const std::string json = report_json(result, context);
     write_file(arguments.report, json.data(), json.size());

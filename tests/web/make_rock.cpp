@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes a large stream in seconds: a rock, an octahedron whose odd vertices are set off by random lengths that halve
-// from level to level (A. Fournier, D. Fussell, L. Carpenter, Computer Rendering of Stochastic Models, CACM 25(6), 1982:
-// midpoint displacement). Encoding a scan to the same size would take minutes. The stated errors are
-// distances between corresponding vertices of each row and the last one, so they hold, and are a little large.
-// Usage: make-rock OUTPUT [LEVELS] [BITS]: BITS is about how many each coefficient takes.
+// Writes a large stream in seconds: a rock, an octahedron whose odd vertices are set off by random lengths
+// that halve from level to level (A. Fournier, D. Fussell, L. Carpenter, Computer Rendering of Stochastic
+// Models, CACM 25(6), 1982: midpoint displacement). Encoding a scan to the same size would take minutes. The
+// stated errors are distances between corresponding vertices of each row and the last one, so they hold, and
+// are a little large. Usage: make-rock OUTPUT [LEVELS] [BITS]: BITS is about how many each coefficient takes.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -19,8 +19,8 @@ using nmc::Array;
 using nmc::Status;
 
 constexpr int kQualityLayers = 3;
-constexpr int kLayerRatio = 16;         // the largest there is: a later layer adds four bits
-constexpr int kBaseRadius = 1 << 24;    // in steps of the grid
+constexpr int kLayerRatio = 16;       // the largest there is: a later layer adds four bits
+constexpr int kBaseRadius = 1 << 24;  // in steps of the grid
 constexpr double kRoughness = 0.24, kDecay = 0.52;
 
 void check(const Status& status) {
@@ -101,8 +101,8 @@ class Rock {
     }
     if (finest.empty()) {
       check(writer.mesh().update_positions(levels_));
-      const std::size_t count = writer.mesh().topology(levels_ - 1).vertex_count +
-                                writer.mesh().topology(levels_ - 1).edge_count;
+      const std::size_t count =
+          writer.mesh().topology(levels_ - 1).vertex_count + writer.mesh().topology(levels_ - 1).edge_count;
       finest.assign(writer.mesh().positions(), writer.mesh().positions() + count);
     }
     for (std::size_t i = 0; i < errors.size(); ++i) {
@@ -134,7 +134,8 @@ class Rock {
     if (!values.normal.resize(topology.edge_count)) std::exit(1);
     std::uint64_t state = 0x6e6d63u + static_cast<std::uint64_t>(level);
     for (std::uint32_t e = 0; e < topology.edge_count; ++e) {
-      values.normal[e] = static_cast<std::int32_t>(std::lround(amplitude(level) * random_length(state) / step));
+      values.normal[e] =
+          static_cast<std::int32_t>(std::lround(amplitude(level) * random_length(state) / step));
     }
     const nmc::LevelCoefficients* pointer = &values;
     check(writer.add_levels(layer, level, 1, &pointer));
