@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 namespace nmc {
 
@@ -25,8 +26,13 @@ constexpr float kSignBits = 0.85f;
 }  // namespace
 
 ContextRateModel::ContextRateModel(const SubdivisionHierarchy& hierarchy, int coded_level_count,
-                                   const std::vector<std::int32_t>* previous)
-    : hierarchy_(hierarchy), level_count_(coded_level_count), previous_(previous) {
+                                   const std::vector<std::int32_t>* previous, std::vector<std::int32_t> next,
+                                   int ratio)
+    : hierarchy_(hierarchy),
+      level_count_(coded_level_count),
+      previous_(previous),
+      next_(std::move(next)),
+      ratio_(ratio) {
   build_dependents();
   statistics_.resize(std::size_t{2} * static_cast<std::size_t>(level_count_) * kClasses);
   const CoefficientField zero(hierarchy_, level_count_);
@@ -106,8 +112,43 @@ float ContextRateModel::cost_in(int context, std::size_t vertex, std::int32_t va
   return s.bits[kMagnitudes - 1] + 2 * std::log2(static_cast<float>(coded - kMagnitudes + 2)) + 1;
 }
 
+float ContextRateModel::cost_in_next(std::size_t vertex, std::int32_t value) const {
+  if (next_.empty()) return 0;
+  const std::int64_t correction = std::abs(next_[vertex] - std::int64_t{ratio_} * value);
+  const Statistics& s = next_statistics_[2 * (level_of_[vertex] - std::size_t{1}) + (value != 0 ? 1 : 0)];
+  if (correction < kMagnitudes - 1) return s.bits[static_cast<std::size_t>(correction)];
+  return s.bits[kMagnitudes - 1] + 2 * std::log2(static_cast<float>(correction - kMagnitudes + 2)) + 1;
+}
+
+void ContextRateModel::learn_next() {
+  if (next_.empty()) return;
+  // A geometric law weighs as much as a handful of coefficients, until there are more of them.
+  std::array<double, kMagnitudes> prior;
+  double p = 4;
+  for (double& c : prior) {
+    c = p + 1e-3;
+    p *= 0.4;
+  }
+  std::vector<std::array<double, kMagnitudes>> counts(2 * static_cast<std::size_t>(level_count_), prior);
+  for (std::size_t v = 0; v < values_.size(); ++v) {
+    if (level_of_[v] == 0) continue;
+    const std::int64_t correction = std::abs(next_[v] - std::int64_t{ratio_} * values_[v]);
+    counts[2 * (level_of_[v] - std::size_t{1}) + (values_[v] != 0 ? 1 : 0)]
+          [static_cast<std::size_t>(std::min<std::int64_t>(correction, kMagnitudes - 1))] += 1;
+  }
+  next_statistics_.resize(counts.size());
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    double total = 0;
+    for (const double c : counts[i]) total += c;
+    for (std::size_t m = 0; m < kMagnitudes; ++m)
+      next_statistics_[i].bits[m] =
+          static_cast<float>(-std::log2(counts[i][m] / total)) + (m > 0 ? kSignBits : 0.0f);
+  }
+}
+
 void ContextRateModel::learn(const CoefficientField& field) {
   values_ = field.values;
+  learn_next();
   energy_ = fixed_energy_;
   for (std::size_t v = 0; v < values_.size(); ++v) {
     if (values_[v] == 0) continue;
@@ -156,7 +197,8 @@ void ContextRateModel::costs(int level, std::size_t edge, const std::int32_t* ca
                              double* bits) const {
   const std::size_t vertex = hierarchy_.level(level).vertex_count + edge;
   const int context = context_of(vertex, energy_[vertex]);
-  for (int i = 0; i < count; ++i) bits[i] = cost_in(context, vertex, candidates[i]);
+  for (int i = 0; i < count; ++i)
+    bits[i] = cost_in(context, vertex, candidates[i]) + cost_in_next(vertex, candidates[i]);
   const std::int64_t present = std::abs(values_[vertex]);
   for (std::size_t d = dependent_begin_[vertex]; d < dependent_begin_[vertex + 1]; ++d) {
     const Dependent& dependent = dependents_[d];
@@ -184,7 +226,8 @@ void ContextRateModel::set(int level, std::size_t edge, std::int32_t value) {
 double ContextRateModel::total_bits() const {
   double bits = 0;
   for (std::size_t v = 0; v < values_.size(); ++v)
-    if (level_of_[v] != 0) bits += cost_in(context_of(v, energy_[v]), v, values_[v]);
+    if (level_of_[v] != 0)
+      bits += cost_in(context_of(v, energy_[v]), v, values_[v]) + cost_in_next(v, values_[v]);
   return bits;
 }
 

@@ -20,9 +20,12 @@ namespace nmc {
 class ContextRateModel final : public RateModel {
  public:
   /// `hierarchy` must outlive the model. With `previous` (one value per vertex, multiplied to the present
-  /// steps) the field is coded as corrections to a previous layer.
+  /// steps) the field is coded as corrections to a previous layer. With `next` (one value per vertex of the
+  /// layer after this one, whose steps are `ratio` times finer) a value is also charged with the correction
+  /// that it leaves to that layer.
   ContextRateModel(const SubdivisionHierarchy& hierarchy, int coded_level_count,
-                   const std::vector<std::int32_t>* previous = nullptr);
+                   const std::vector<std::int32_t>* previous = nullptr, std::vector<std::int32_t> next = {},
+                   int ratio = 1);
 
   void learn(const CoefficientField& field) override;
   void costs(int level, std::size_t edge, const std::int32_t* candidates, int count,
@@ -46,6 +49,8 @@ class ContextRateModel final : public RateModel {
 
   int context_of(std::size_t vertex, std::int64_t energy) const;
   float cost_in(int context, std::size_t vertex, std::int32_t value) const;
+  float cost_in_next(std::size_t vertex, std::int32_t value) const;
+  void learn_next();
   std::int64_t contribution(std::int32_t value, std::int32_t weight) const;
   void build_dependents();
 
@@ -61,6 +66,9 @@ class ContextRateModel final : public RateModel {
   std::vector<Dependent> dependents_;
   std::vector<std::int32_t> normalization_;  // per vertex: divides energy_ to sixteenths
   std::vector<Statistics> statistics_;       // [layer state][level][class]
+  const std::vector<std::int32_t> next_;     // per vertex; empty without a next layer
+  const int ratio_;
+  std::vector<Statistics> next_statistics_;  // [level][value is not zero], of corrections
 };
 
 }  // namespace nmc

@@ -60,7 +60,7 @@ double FitSystem::energy_of(const std::vector<double>& values) const {
   return energy_.value(positions);
 }
 
-void FitSystem::prepare_preconditioner(const std::vector<std::uint8_t>& active, const Anchor* anchor) {
+void FitSystem::prepare_preconditioner(const std::vector<std::uint8_t>& active) {
   const UnknownLayout& layout = synthesis_.layout();
   const std::size_t normal_count = layout.normal_begin.back() - layout.normal_begin.front();
   std::size_t active_count = 0;
@@ -99,18 +99,8 @@ void FitSystem::prepare_preconditioner(const std::vector<std::uint8_t>& active, 
       block.yy += slide;
       block.zz += slide;
     }
-    if (anchor) {
-      block.xx += static_cast<float>(anchor->weight[3 * v]);
-      block.yy += static_cast<float>(anchor->weight[3 * v + 1]);
-      block.zz += static_cast<float>(anchor->weight[3 * v + 2]);
-    }
     invert(block, base_inverse_.data() + 9 * v);
   }
-  if (!anchor) return;
-  parallel_for(layout.count - 3 * layout.base_vertex_count, [&](std::size_t i) {
-    double& inverse = inverse_diagonal_[3 * layout.base_vertex_count + i];
-    inverse = inverse / (1 + inverse * anchor->weight[3 * layout.base_vertex_count + i]);
-  });
 }
 
 void FitSystem::precondition(const std::vector<std::uint8_t>& active, const std::vector<double>& residual,
@@ -145,29 +135,18 @@ void FitSystem::precondition(const std::vector<std::uint8_t>& active, const std:
 }
 
 MinimizeResult FitSystem::minimize(const std::vector<std::uint8_t>& active, const MinimizeOptions& options,
-                                   std::vector<double>& values, const Anchor* anchor) {
-  const auto anchor_energy = [&](const std::vector<double>& at) {
-    if (!anchor) return 0.0;
-    return parallel_sum<double>(at.size(), [&](std::size_t i) {
-      const double d = at[i] - anchor->center[i];
-      return 0.5 * anchor->weight[i] * d * d;
-    });
-  };
+                                   std::vector<double>& values) {
   const std::size_t count = layout().count;
   MinimizeResult result;
   std::vector<Vec3> positions, force, displacement;
   std::vector<double> dual, residual(count), z, direction(count), product, change(count), candidate(count);
   for (int outer = 0; outer < options.maximum_outer; ++outer) {
     synthesis_.synthesize(values, positions);
-    const double energy = energy_.gradient(positions, force) + anchor_energy(values);
+    const double energy = energy_.gradient(positions, force);
     if (outer == 0) result.initial_energy = energy;
     result.final_energy = energy;
     synthesis_.adjoint(force, dual);
-    if (anchor) {
-      parallel_for(count,
-                   [&](std::size_t i) { dual[i] += anchor->weight[i] * (values[i] - anchor->center[i]); });
-    }
-    prepare_preconditioner(active, anchor);
+    prepare_preconditioner(active);
     parallel_for(count, [&](std::size_t i) {
       residual[i] = active[i] ? -dual[i] : 0.0;
       change[i] = 0;
@@ -181,11 +160,7 @@ MinimizeResult FitSystem::minimize(const std::vector<std::uint8_t>& active, cons
       energy_.multiply(displacement, force);
       synthesis_.adjoint(force, product);
       parallel_for(count, [&](std::size_t i) {
-        if (!active[i]) {
-          product[i] = 0;
-        } else if (anchor) {
-          product[i] += anchor->weight[i] * direction[i];
-        }
+        if (!active[i]) product[i] = 0;
       });
       const double curvature = inner_product(direction, product);
       if (!(curvature > 0)) break;
@@ -206,7 +181,7 @@ MinimizeResult FitSystem::minimize(const std::vector<std::uint8_t>& active, cons
     double step = 1;
     for (int halving = 0; halving <= options.maximum_halvings && !lowered; ++halving, step *= 0.5) {
       parallel_for(count, [&](std::size_t i) { candidate[i] = values[i] + step * change[i]; });
-      const double lower = energy_of(candidate) + anchor_energy(candidate);
+      const double lower = energy_of(candidate);
       if (lower < energy) {
         lowered = true;
         values = candidate;

@@ -35,12 +35,6 @@ struct MinimizeOptions {
   int maximum_halvings = 6;
 };
 
-/// A quadratic pull on the unknowns: adds 1/2 sum weight_i (u_i - center_i)^2 to the energy. The rate of
-/// coefficients enters the least squares in this form (iteratively reweighted).
-struct Anchor {
-  std::vector<double> weight, center;
-};
-
 struct MinimizeResult {
   double initial_energy = 0, final_energy = 0;
   int outer = 0, inner = 0;
@@ -66,12 +60,11 @@ class FitSystem {
   double energy_of(const std::vector<double>& values) const;
 
   /// Lowers the energy over the unknowns with active[i] != 0. Never raises it.
-  /// With an anchor its term counts as energy.
   MinimizeResult minimize(const std::vector<std::uint8_t>& active, const MinimizeOptions& options,
-                          std::vector<double>& values, const Anchor* anchor = nullptr);
+                          std::vector<double>& values);
 
  private:
-  void prepare_preconditioner(const std::vector<std::uint8_t>& active, const Anchor* anchor);
+  void prepare_preconditioner(const std::vector<std::uint8_t>& active);
   void precondition(const std::vector<std::uint8_t>& active, const std::vector<double>& residual,
                     std::vector<double>& result);
 

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "encoder/fit/quality_layers.h"
 
-#include <cmath>
-
 namespace nmc {
 
 std::vector<QuantizedMesh> quantize_layers(const LayerOptions& options, MeshQuantizer& quantizer,
                                            std::vector<QuantizeReport>* reports) {
-  std::vector<QuantizedMesh> layers;
-  if (reports) reports->assign(static_cast<std::size_t>(options.layer_count), {});
-  QuantizeOptions coarsest = options.finest;
-  double span = 1;
-  for (int k = 1; k < options.layer_count; ++k) span *= options.ratio;
-  coarsest.normal_step *= span;
-  coarsest.base_step_factor /= options.base_refinement > 0 ? options.base_refinement : std::sqrt(span);
-  if (options.layer_count > 1) coarsest.base_pull = options.base_pull;
-  QuantizeOptions finer = options.finest;
-  finer.base_step_factor = coarsest.base_step_factor;
-  for (int k = 0; k < options.layer_count; ++k) {
-    QuantizeReport* report = reports ? &(*reports)[static_cast<std::size_t>(k)] : nullptr;
-    layers.push_back(k == 0 ? quantizer.quantize(coarsest, report)
-                            : quantizer.refine(layers.back(), options.ratio, finer, report));
+  const auto count = static_cast<std::size_t>(options.layer_count);
+  std::vector<QuantizedMesh> layers(count);
+  if (reports) reports->assign(count, {});
+  const auto report_of = [&](std::size_t k) { return reports ? &(*reports)[k] : nullptr; };
+  layers.back() = quantizer.quantize(options.finest, report_of(count - 1));
+  for (std::size_t k = count - 1; k-- > 0;)
+    layers[k] = quantizer.coarsen(layers[k + 1], options.ratio, options.finest, report_of(k));
+  const auto polish = [&](std::size_t k) {
+    layers[k] = quantizer.polish(layers[k], k > 0 ? &layers[k - 1] : nullptr,
+                                 k + 1 < count ? &layers[k + 1] : nullptr, options.ratio, options.finest,
+                                 report_of(k));
+  };
+  for (int round = 0; round < options.polish_rounds; ++round) {
+    for (std::size_t k = 1; k < count; ++k) polish(k);
+    if (round + 1 == options.polish_rounds) break;
+    for (std::size_t k = count - 1; k-- > 0;) polish(k);
   }
   return layers;
 }

@@ -27,7 +27,8 @@ struct MeshQuantizer::State {
     system.galerkin();
   }
 
-  /// Back to the correspondences of the fit, and to the frames of its mesh: a coefficient is judged by where it points.
+  /// Back to the correspondences of the fit, and to the frames of its mesh: a coefficient is judged by where
+  /// it points.
   void restart(bool keep_correspondences) {
     std::vector<Vec3> positions;
     system.synthesis().synthesize(fitted_values, positions);
@@ -35,6 +36,24 @@ struct MeshQuantizer::State {
     system.set_samples(samples, positions, energy_options);
     moved_samples = {};
     at_start = true;
+  }
+
+  /// Brings the correspondences to where the surface of `values` now is; without an input they stay.
+  void follow(const std::vector<double>& values, double reach_multiple) {
+    if (!input) return;
+    const LevelTopology& finest = mesh.hierarchy.level(mesh.hierarchy.level_count());
+    std::vector<Vec3> positions;
+    system.synthesis().positions_of(values, positions);
+    if (moved_samples.empty()) moved_samples = samples;
+    moved_samples.resize(samples.size());
+    const double rms = system.energy().root_mean_square(system.energy().value(positions));
+    reproject_samples(*input, finest, positions, {}, moved_samples);
+    if (reach_multiple > 0) {
+      append_input_samples(*input, finest, positions, moved_samples.size() / 8, total_weight,
+                           reach_multiple * rms, moved_samples);
+    }
+    system.set_samples(moved_samples, positions, energy_options);
+    at_start = false;
   }
 
   const NormalMesh& mesh;
@@ -59,28 +78,34 @@ const SubdivisionHierarchy& MeshQuantizer::hierarchy() const { return state_->me
 
 namespace {
 
+/// The quality layers before and after the one at hand, with `ratio` between the steps of neighbours; either
+/// may be null.
+struct LayerNeighbours {
+  const QuantizedMesh* coarser = nullptr;
+  const QuantizedMesh* finer = nullptr;
+  int ratio = 1;
+};
+
 /// One run of the quantizer: the values of all unknowns on their way to integers.
 class Quantization {
  public:
   Quantization(const QuantizeOptions& options, const SubdivisionHierarchy& hierarchy, FitSystem& system,
-               std::vector<double> values, std::vector<std::uint8_t> active, const QuantizedMesh* previous,
-               int ratio)
+               std::vector<double> values, std::vector<std::uint8_t> active, const LayerNeighbours& layers)
       : options_(options),
         hierarchy_(hierarchy),
         system_(system),
         layout_(system.layout()),
         values_(std::move(values)),
         active_(std::move(active)),
-        previous_values_(scaled_values(hierarchy, previous, ratio)),
-        previous_coordinates_(scaled_coordinates(previous, ratio)),
+        coarser_values_(vertex_values(hierarchy, layers.coarser, layers.ratio)),
+        coarser_coordinates_(scaled_coordinates(layers)),
+        base_is_held_(layers.finer != nullptr),
         field_(hierarchy, layout_.coded_level_count),
-        rates_(hierarchy, layout_.coded_level_count, previous ? &previous_values_ : nullptr) {
+        rates_(hierarchy, layout_.coded_level_count, layers.coarser ? &coarser_values_ : nullptr,
+               vertex_values(hierarchy, layers.finer, 1), layers.ratio) {
     // What may never move (along a boundary) is not coded either.
     for (std::size_t i = layout_.tangential_begin.front(); i < layout_.count; ++i)
       if (!active_[i]) values_[i] = 0;
-    fitted_base_.assign(values_.begin(),
-                        values_.begin() + static_cast<std::ptrdiff_t>(3 * layout_.base_vertex_count));
-    if (previous) start_at(*previous);
     // The odd vertices of the finest coded level; without any level, the base vertices. The trace counts the
     // plane residual once.
     const int coded = layout_.coded_level_count;
@@ -108,8 +133,7 @@ class Quantization {
       const double limit = threshold * step(l);
       const std::size_t begin = layout_.normal_begin[level];
       for (std::size_t i = begin; i < layout_.normal_begin[level + 1]; ++i) {
-        const std::size_t vertex = hierarchy_.level(l).vertex_count + (i - begin);
-        if (!active_[i] || std::abs(values_[i]) >= limit || was_nonzero(vertex)) continue;
+        if (!active_[i] || std::abs(values_[i]) >= limit) continue;
         values_[i] = 0;
         active_[i] = 0;
       }
@@ -140,23 +164,41 @@ class Quantization {
     minimize.maximum_outer = outer;
     minimize.maximum_inner = inner;
     minimize.inner_tolerance = tolerance;
-    const bool anchored =
-        options_.base_pull > 0 || (!previous_values_.empty() && options_.refinement_weight > 0);
-    if (anchored) update_anchor();
-    system_.minimize(active_, minimize, values_, anchored ? &anchor_ : nullptr);
+    system_.minimize(active_, minimize, values_);
+  }
+
+  /// Starts at the layer that follows, with the base where its vertices round to; they stay there.
+  void start_before(const QuantizedMesh& finer, int ratio) {
+    take_values(finer);
+    coordinates_ = finer.base_coordinates;
+    for (auto& vertex : coordinates_)
+      for (std::int32_t& x : vertex)
+        x = static_cast<std::int32_t>(
+            std::floor((x + 0.5 * ratio - 0.25) / ratio));  // the nearest, ties downwards
+    hold_base();
+  }
+  /// Starts at integers of this layer's own steps.
+  void start_at(const QuantizedMesh& mesh) {
+    take_values(mesh);
+    coordinates_ = mesh.base_coordinates;
+    for (int l = 0; l < layout_.coded_level_count; ++l) {
+      const std::vector<std::int32_t>& level = mesh.normal[static_cast<std::size_t>(l)];
+      std::copy(level.begin(), level.end(), field_.values.begin() + hierarchy_.level(l).vertex_count);
+    }
+    hold_base();
   }
 
   void round_base() {
+    if (base_is_held_) return;
     const double grid = base_step();
     coordinates_.resize(layout_.base_vertex_count);
     for (std::size_t v = 0; v < layout_.base_vertex_count; ++v) {
       for (std::size_t k = 0; k < 3; ++k) {
         const double relative = values_[3 * v + k] - options_.base_origin[static_cast<int>(k)];
         coordinates_[v][k] = static_cast<std::int32_t>(std::lround(relative / grid));
-        active_[3 * v + k] = 0;
       }
     }
-    store_base();
+    hold_base();
   }
 
   void round_level(int l) {
@@ -196,11 +238,11 @@ class Quantization {
     double energy = linearize();
     DescentOptions descent;
     descent.lambda = lambda_;
-    const auto* base = previous_coordinates_.empty() ? nullptr : &previous_coordinates_;
+    const auto* base = coarser_coordinates_.empty() ? nullptr : &coarser_coordinates_;
     // The quadratic that a descent trusts has frozen normals: what does not hold up when decoded is taken
     // back.
     const auto old_coordinates = coordinates_;
-    if (descend_base(system_, base_step(), dual, descent, base, coordinates_) > 0) {
+    if (!base_is_held_ && descend_base(system_, base_step(), dual, descent, base, coordinates_) > 0) {
       store_base();
       const double lower = linearize();
       if (lower > energy && !base) {
@@ -264,56 +306,27 @@ class Quantization {
   }
 
  private:
-  /// A refinement starts where the previous layer ended, and so moves only where the error asks for it. The
-  /// base stays: what is worth a correction is found by the descent.
-  void start_at(const QuantizedMesh& previous) {
-    for (std::size_t v = 0; v < layout_.base_vertex_count; ++v)
-      for (std::size_t k = 0; k < 3; ++k) {
-        values_[3 * v + k] =
-            previous.base_origin[static_cast<int>(k)] + previous.base_step * previous.base_coordinates[v][k];
-        active_[3 * v + k] = 0;
-      }
+  /// Normal and tangential coefficients of a layer as values of the unknowns.
+  void take_values(const QuantizedMesh& mesh) {
     for (int l = 0; l < layout_.coded_level_count; ++l) {
       const auto level = static_cast<std::size_t>(l);
-      for (std::size_t e = 0; e < previous.normal[level].size(); ++e)
-        values_[layout_.normal_begin[level] + e] =
-            previous.quantizers[level].normal_step * previous.normal[level][e];
-      auto next = previous.tangential[level].begin();
+      for (std::size_t e = 0; e < mesh.normal[level].size(); ++e)
+        values_[layout_.normal_begin[level] + e] = mesh.quantizers[level].normal_step * mesh.normal[level][e];
+      auto next = mesh.tangential[level].begin();
       for (std::size_t i = 0; i < layout_.tangential_edges[level].size(); ++i) {
         double* t = values_.data() + layout_.tangential_begin[level] + 2 * i;
         t[0] = t[1] = 0;
-        if (next == previous.tangential[level].end() || next->edge != layout_.tangential_edges[level][i])
+        if (next == mesh.tangential[level].end() || next->edge != layout_.tangential_edges[level][i])
           continue;
-        t[0] = previous.quantizers[level].tangential_step * next->along;
-        t[1] = previous.quantizers[level].tangential_step * next->across;
+        t[0] = mesh.quantizers[level].tangential_step * next->along;
+        t[1] = mesh.quantizers[level].tangential_step * next->across;
         ++next;
       }
     }
   }
-  /// The rate's share of the quadratic at the present values: dR/d|q| = weight / (1 + |q|) as a pull towards
-  /// the resting value, reweighted with every solve.
-  void update_anchor() {
-    anchor_.weight.assign(layout_.count, 0.0);
-    anchor_.center.assign(layout_.count, 0.0);
-    const double scale = lambda_ * options_.refinement_weight;
-    const auto pull = [&](std::size_t i, double center, double delta) {
-      const double q = std::abs(values_[i] - center) / delta;
-      anchor_.center[i] = center;
-      anchor_.weight[i] = scale / ((1 + q) * std::max(q, 0.5) * delta * delta);
-    };
-    if (options_.base_pull > 0) {
-      for (std::size_t i = 0; i < fitted_base_.size(); ++i) {
-        anchor_.center[i] = fitted_base_[i];
-        anchor_.weight[i] = lambda_ * options_.base_pull / (base_step() * base_step());
-      }
-    }
-    if (previous_values_.empty()) return;
-    for (int l = 0; l < layout_.coded_level_count; ++l) {
-      const std::size_t begin = layout_.normal_begin[static_cast<std::size_t>(l)];
-      const std::size_t vertex_count = hierarchy_.level(l).vertex_count;
-      for (std::size_t e = 0; e < hierarchy_.level(l).edge_count; ++e)
-        if (active_[begin + e]) pull(begin + e, previous_values_[vertex_count + e] * step(l), step(l));
-    }
+  void hold_base() {
+    std::fill_n(active_.begin(), 3 * layout_.base_vertex_count, std::uint8_t{0});
+    store_base();
   }
   void store_level(int l) {
     const std::size_t begin = layout_.normal_begin[static_cast<std::size_t>(l)];
@@ -328,29 +341,26 @@ class Quantization {
         values_[3 * v + k] = options_.base_origin[static_cast<int>(k)] + base_step() * coordinates_[v][k];
   }
 
-  static std::vector<std::int32_t> scaled_values(const SubdivisionHierarchy& hierarchy,
-                                                 const QuantizedMesh* previous, int ratio) {
+  /// The normal coefficients of a layer, times `factor`, by vertex; empty without a layer.
+  static std::vector<std::int32_t> vertex_values(const SubdivisionHierarchy& hierarchy,
+                                                 const QuantizedMesh* layer, int factor) {
     std::vector<std::int32_t> values;
-    if (!previous) return values;
-    values.assign(hierarchy.level(previous->level_count()).vertex_count, 0);
-    for (int l = 0; l < previous->level_count(); ++l) {
-      const std::vector<std::int32_t>& level = previous->normal[static_cast<std::size_t>(l)];
+    if (!layer) return values;
+    values.assign(hierarchy.level(layer->level_count()).vertex_count, 0);
+    for (int l = 0; l < layer->level_count(); ++l) {
+      const std::vector<std::int32_t>& level = layer->normal[static_cast<std::size_t>(l)];
       for (std::size_t e = 0; e < level.size(); ++e)
-        values[hierarchy.level(l).vertex_count + e] = ratio * level[e];
+        values[hierarchy.level(l).vertex_count + e] = factor * level[e];
     }
     return values;
   }
-  static std::vector<std::array<std::int32_t, 3>> scaled_coordinates(const QuantizedMesh* previous,
-                                                                     int ratio) {
+  static std::vector<std::array<std::int32_t, 3>> scaled_coordinates(const LayerNeighbours& layers) {
     std::vector<std::array<std::int32_t, 3>> coordinates;
-    if (!previous) return coordinates;
-    coordinates = previous->base_coordinates;
+    if (!layers.coarser) return coordinates;
+    coordinates = layers.coarser->base_coordinates;
     for (auto& c : coordinates)
-      for (std::int32_t& k : c) k *= ratio;
+      for (std::int32_t& k : c) k *= layers.ratio;
     return coordinates;
-  }
-  bool was_nonzero(std::size_t vertex) const {
-    return !previous_values_.empty() && previous_values_[vertex] != 0;
   }
 
   const QuantizeOptions& options_;
@@ -360,15 +370,24 @@ class Quantization {
   std::vector<double> values_;
   std::vector<std::uint8_t> active_;
   const std::vector<std::int32_t>
-      previous_values_;  // per vertex, on the present steps; empty in the first layer
-  const std::vector<std::array<std::int32_t, 3>> previous_coordinates_;
+      coarser_values_;  // per vertex, in the present steps; empty in the first layer
+  const std::vector<std::array<std::int32_t, 3>> coarser_coordinates_;
+  const bool base_is_held_;
   CoefficientField field_;
   ContextRateModel rates_;
   std::vector<std::array<std::int32_t, 3>> coordinates_;
   double lambda_ = 0;
-  Anchor anchor_;
-  std::vector<double> fitted_base_;  // positions of the base vertices in the fit without quantization
 };
+
+void report_on(Quantization& run, const FitSystem& system, const QuantizedMesh& mesh,
+               QuantizeReport* report) {
+  if (!report) return;
+  report->final_rms = system.energy().root_mean_square(run.energy());
+  report->model_bits = run.model_bits();
+  report->nonzero_count = mesh.nonzero_count();
+  report->tangential_count = 0;
+  for (const auto& list : mesh.tangential) report->tangential_count += list.size();
+}
 
 }  // namespace
 
@@ -376,43 +395,49 @@ QuantizedMesh MeshQuantizer::quantize(const QuantizeOptions& options, QuantizeRe
   return run(options, nullptr, 1, report);
 }
 
-QuantizedMesh MeshQuantizer::refine(const QuantizedMesh& previous, int ratio, const QuantizeOptions& options,
-                                    QuantizeReport* report) {
-  QuantizeOptions finer = options;
-  finer.normal_step = previous.quantizers.back().normal_step / ratio;
-  finer.base_origin = previous.base_origin;
-  return run(finer, &previous, ratio, report);
+QuantizedMesh MeshQuantizer::coarsen(const QuantizedMesh& finer, int ratio, const QuantizeOptions& options,
+                                     QuantizeReport* report) {
+  QuantizeOptions coarse = options;
+  coarse.normal_step = finer.quantizers.back().normal_step * ratio;
+  coarse.base_origin = finer.base_origin;
+  coarse.keep_correspondences = true;
+  return run(coarse, &finer, ratio, report);
 }
 
-QuantizedMesh MeshQuantizer::run(const QuantizeOptions& options, const QuantizedMesh* previous, int ratio,
+QuantizedMesh MeshQuantizer::polish(const QuantizedMesh& mesh, const QuantizedMesh* coarser,
+                                    const QuantizedMesh* finer, int ratio, const QuantizeOptions& options,
+                                    QuantizeReport* report) {
+  QuantizeOptions own = options;
+  own.normal_step = mesh.quantizers.back().normal_step;
+  own.base_origin = mesh.base_origin;
+  State& state = *state_;
+  state.restart(true);
+  Quantization run(own, state.mesh.hierarchy, state.system, state.fitted_values,
+                   free_unknowns(state.mesh, state.system.layout(), true), {coarser, finer, ratio});
+  run.start_at(mesh);
+  state.follow(run.values(), own.reach_multiple);
+  constexpr int kRounds = 2;
+  for (int round = 0; round < kRounds; ++round) run.descend();
+  QuantizedMesh result = run.result();
+  report_on(run, state.system, result, report);
+  return result;
+}
+
+QuantizedMesh MeshQuantizer::run(const QuantizeOptions& options, const QuantizedMesh* finer, int ratio,
                                  QuantizeReport* report) {
   State& state = *state_;
   FitSystem& system = state.system;
-  const SubdivisionHierarchy& hierarchy = state.mesh.hierarchy;
-  const LevelTopology& finest = hierarchy.level(hierarchy.level_count());
   const bool kept = options.keep_correspondences && !state.at_start;
   state.restart(kept);
-  Quantization run(options, hierarchy, system, state.fitted_values,
-                   free_unknowns(state.mesh, system.layout(), true), previous, ratio);
-  std::vector<SurfaceSample>& samples = state.moved_samples;
+  Quantization run(options, state.mesh.hierarchy, system, state.fitted_values,
+                   free_unknowns(state.mesh, system.layout(), true), {nullptr, finer, ratio});
+  if (finer) run.start_before(*finer, ratio);
   int reprojections = kept ? 1 : 0;
   const auto reproject = [&] {
-    if (!state.input || reprojections >= options.reprojection_count) return;
+    if (reprojections >= options.reprojection_count) return;
     ++reprojections;
-    std::vector<Vec3> positions;
-    system.synthesis().positions_of(run.values(), positions);
-    if (samples.empty()) samples = state.samples;
-    samples.resize(state.samples.size());
-    const double rms = system.energy().root_mean_square(system.energy().value(positions));
-    reproject_samples(*state.input, finest, positions, {}, samples);
-    if (options.reach_multiple > 0) {
-      append_input_samples(*state.input, finest, positions, samples.size() / 8, state.total_weight,
-                           options.reach_multiple * rms, samples);
-    }
-    system.set_samples(samples, positions, state.energy_options);
-    state.at_start = false;
+    state.follow(run.values(), options.reach_multiple);
   };
-  if (previous) run.minimize(3, 30, 0.05);
   for (int round = 0; round < options.active_set_rounds; ++round) {
     run.shrink(options.dead_zone * (round == 0 ? 0.8 : 1.0));
     if (round > 0 && !kept) reproject();
@@ -421,7 +446,7 @@ QuantizedMesh MeshQuantizer::run(const QuantizeOptions& options, const Quantized
   if (report) report->fit_rms = system.energy().root_mean_square(run.energy());
   run.shrink(options.dead_zone);
   run.round_base();
-  for (int l = 0; l < hierarchy.level_count() && l < system.layout().coded_level_count; ++l) {
+  for (int l = 0; l < system.layout().coded_level_count; ++l) {
     run.minimize(1, 15, 0.05);
     run.round_level(l);
   }
@@ -429,16 +454,8 @@ QuantizedMesh MeshQuantizer::run(const QuantizeOptions& options, const Quantized
     if (round == 1) reproject();
     run.descend();
   }
-  if (report) {
-    report->final_rms = system.energy().root_mean_square(run.energy());
-    report->model_bits = run.model_bits();
-  }
   QuantizedMesh mesh = run.result();
-  if (report) {
-    report->nonzero_count = mesh.nonzero_count();
-    report->tangential_count = 0;
-    for (const auto& list : mesh.tangential) report->tangential_count += list.size();
-  }
+  report_on(run, system, mesh, report);
   return mesh;
 }
 

@@ -42,13 +42,6 @@ struct QuantizeOptions {
   int active_set_rounds = 2;
   /// Rounds of coordinate descent over all levels.
   int descent_rounds = 3;
-  /// Strength of the pull of base vertices towards their place in the unquantized fit, in bits per squared
-  /// grid step; 0: none. Layers that all stay near the same base need small corrections.
-  double base_pull = 0;
-  /// In refinements, how much of the rate enters the least squares: the difference d to the previous layer,
-  /// in steps, is charged with dR/d|d| = refinement_weight / (1 + |d|) bits. 0: no charge before rounding.
-  /// (In a first layer such a charge gains nothing.)
-  double refinement_weight = 0.5;
   /// Points of the input farther than this many RMS distances from the surface pull on it; 0: none do.
   double reach_multiple = 2;
   /// Correspondences follow the surface this many times (needs an input surface).
@@ -79,17 +72,23 @@ class MeshQuantizer {
   /// options.keep_correspondences asks for it.
   QuantizedMesh quantize(const QuantizeOptions& options, QuantizeReport* report = nullptr);
 
-  /// The next quality layer: steps and base grid are those of `previous` over `ratio`, and only the
-  /// difference between the integers and ratio * previous is charged. `options` gives everything but steps
-  /// and origin.
-  QuantizedMesh refine(const QuantizedMesh& previous, int ratio, const QuantizeOptions& options,
-                       QuantizeReport* report = nullptr);
+  /// The quality layer before `finer`: steps and base grid are `ratio` times coarser, base vertices lie where
+  /// those of `finer` round to, and integers are charged with what they add to the differences that `finer`
+  /// codes. `options` gives everything but steps and origin. Correspondences are those that the last call
+  /// ended with.
+  QuantizedMesh coarsen(const QuantizedMesh& finer, int ratio, const QuantizeOptions& options,
+                        QuantizeReport* report = nullptr);
+
+  /// Rate-distortion descent on the integers of one quality layer between its neighbours, of which either may
+  /// be null: it is charged for its own differences to `coarser` and for those of `finer` to it.
+  QuantizedMesh polish(const QuantizedMesh& mesh, const QuantizedMesh* coarser, const QuantizedMesh* finer,
+                       int ratio, const QuantizeOptions& options, QuantizeReport* report = nullptr);
 
   const SubdivisionHierarchy& hierarchy() const;
 
  private:
   struct State;
-  QuantizedMesh run(const QuantizeOptions& options, const QuantizedMesh* previous, int ratio,
+  QuantizedMesh run(const QuantizeOptions& options, const QuantizedMesh* finer, int ratio,
                     QuantizeReport* report);
   std::unique_ptr<State> state_;
 };

@@ -108,7 +108,7 @@ MeasuredError Candidate::measure(const std::vector<Vec3>& positions, int level, 
   return {compared.rms, compared.maximum};
 }
 
-MeasuredError Candidate::fitted_error() const {
+std::vector<Vec3> Candidate::fitted_positions() const {
   const int coded = state_->options.coded_level_count, shown = hierarchy().level_count();
   std::vector<Vec3> positions = reconstruct(state_->mesh, coded);
   for (int l = coded; l < shown; ++l) {
@@ -117,18 +117,23 @@ MeasuredError Candidate::fitted_error() const {
     reconstruct_odd_vertices(topology, hierarchy().ring_weights(), {}, nullptr, 0, topology.edge_count,
                              positions.data());
   }
-  return measure(positions, shown, 0);
+  return positions;
+}
+
+MeasuredError Candidate::fitted_error() const { return measure(fitted_positions(), hierarchy().level_count(), 0); }
+
+bool Candidate::is_out_of_reach(double tolerance) const {
+  const std::vector<Vec3> positions = fitted_positions();
+  const std::size_t beyond = count_beyond(*state_->reference->index, positions,
+                                          level_triangles(hierarchy().level(hierarchy().level_count())), tolerance);
+  return static_cast<double>(beyond) > MaximumRepairOptions{}.largest_share * static_cast<double>(positions.size());
 }
 
 Trial Candidate::quantize(double normal_step, const StreamDescription& description, const TrialOptions& options) {
   Trial trial;
-  // The base of a layered stream is hardly corrected later, so its grid is finer: by the square root of the ratio
-  // between the first and the last layer, as near as the header can say it.
   const int layer_count = options.quality_layer_count;
-  const int base_eighths =
-      static_cast<int>(std::lround(8 * 0.5 * (layer_count - 1) * std::log2(static_cast<double>(options.layer_ratio))));
   trial.steps = stream_steps(normal_step, state_->options.coded_level_count, options.eighths_per_level,
-                             options.eighths_base_to_level_0 + base_eighths, options.eighths_tangential);
+                             options.eighths_base_to_level_0, options.eighths_tangential);
   trial.layer_ratio = layer_count > 1 ? options.layer_ratio : 1;
   QuantizeOptions quantize;
   quantize.normal_step = trial.steps.normal_step(state_->options.coded_level_count - 1);
@@ -145,7 +150,6 @@ Trial Candidate::quantize(double normal_step, const StreamDescription& descripti
     layers.finest = quantize;
     layers.layer_count = layer_count;
     layers.ratio = options.layer_ratio;
-    layers.base_refinement = std::exp2(base_eighths / 8.0);
     trial.coarser_layers = quantize_layers(layers, *state_->quantizer);
     trial.mesh = std::move(trial.coarser_layers.back());
     trial.coarser_layers.pop_back();

@@ -136,14 +136,21 @@ TEST_CASE("Rate-distortion descent lowers the cost that it is asked to lower") {
 TEST_CASE("The rate model's differences are those of its totals") {
   const SubdivisionHierarchy hierarchy(octahedron_faces(), 6, 4);
   FixedNumbers source;
-  for (const bool refined : {false, true}) {
+  for (const int layers : {0, 1, 2, 3}) {
+    const bool refined = (layers & 1) != 0, followed = (layers & 2) != 0;
     CoefficientField field(hierarchy, 4);
     for (std::size_t v = 6; v < field.values.size(); ++v)
       field.values[v] = static_cast<std::int32_t>(std::lround(3 * std::pow(source.next(), 5)));
     std::vector<std::int32_t> previous(field.values.size());
     for (std::size_t v = 6; v < previous.size(); ++v)
       previous[v] = 3 * static_cast<std::int32_t>(source.next() * 1.5);
-    ContextRateModel rates(hierarchy, 4, refined ? &previous : nullptr);
+    std::vector<std::int32_t> next;
+    if (followed) {
+      next = field.values;
+      for (std::size_t v = 6; v < next.size(); ++v)
+        next[v] = 3 * next[v] + static_cast<std::int32_t>(std::lround(2 * source.next()));
+    }
+    ContextRateModel rates(hierarchy, 4, refined ? &previous : nullptr, next, 3);
     rates.learn(field);
     for (int trial = 0; trial < 200; ++trial) {
       const int level = trial % 4;
@@ -177,6 +184,14 @@ TEST_CASE("Layers refine: steps divide, errors fall, differences cost less than 
     CHECK(layers[k].base_step == Approx(layers[k - 1].base_step / 3));
     CHECK(fitted.rms_of(layers[k]) < fitted.rms_of(layers[k - 1]));
   }
+  for (std::size_t k = 0; k < 2; ++k)
+    for (std::size_t v = 0; v < 6; ++v)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        // Only the last layer's base may be moved again when it is polished, and hardly ever is.
+        const int correction =
+            layers[k + 1].base_coordinates[v][axis] - 3 * layers[k].base_coordinates[v][axis];
+        CHECK(std::abs(correction) <= (k == 0 ? 1 : 3));
+      }
   const QuantizedMesh single = quantizer.quantize(options.finest);
   const double fresh = bits_of(single, fitted.mesh.hierarchy);
   INFO("last layer " << reports[2].model_bits << " bits, fresh " << fresh);
