@@ -21,7 +21,7 @@ for source in "$root"/decoder/wasm/*.cpp "$root"/libnmc/common/*.cpp "$root"/lib
     *) options="-Oz" ;;
   esac
   # shellcheck disable=SC2086  # the options are meant to be split
-  clang++ --target=wasm32-wasi -stdlib=libc++ -std=c++20 $options -mbulk-memory -fno-unroll-loops -fno-exceptions \
+  clang++ --target=wasm32-wasi -std=c++20 $options -mbulk-memory -fno-unroll-loops -fno-exceptions \
     -fno-rtti -ffp-contract=off -fno-fast-math -ffunction-sections -fdata-sections -fvisibility=hidden -DNDEBUG \
     -I"$root" -c "$source" -o "$objects/$name.o" &
 done

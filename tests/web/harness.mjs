@@ -159,3 +159,26 @@ export function buildViewer(folder) {
   run(process.execPath, [join(root, 'viewer/node_modules/vite/bin/vite.js'), 'build', '--outDir', folder, '--emptyOutDir'],
     { cwd: join(root, 'viewer') });
 }
+
+/** Draco inside a GLB, as exporters write it: positions of `bits` bits, no other attributes. */
+export async function writeDracoGlb(input, output, bits = 14) {
+  const { NodeIO } = await import('@gltf-transform/core');
+  const { KHRDracoMeshCompression } = await import('@gltf-transform/extensions');
+  const draco3d = (await import('draco3d')).default;
+  const io = new NodeIO().registerExtensions([KHRDracoMeshCompression]).registerDependencies({
+    'draco3d.decoder': await draco3d.createDecoderModule(), 'draco3d.encoder': await draco3d.createEncoderModule(),
+  });
+  const document = await io.read(input);
+  for (const mesh of document.getRoot().listMeshes()) {
+    for (const primitive of mesh.listPrimitives()) primitive.setAttribute('NORMAL', null);
+  }
+  document.createExtension(KHRDracoMeshCompression).setRequired(true)
+    .setEncoderOptions({ method: KHRDracoMeshCompression.EncoderMethod.EDGEBREAKER, quantizationBits: { POSITION: bits } });
+  await io.write(output, document);
+}
+
+/** meshopt inside a GLB, by gltfpack: positions of `bits` bits. `simplify`: the share of triangles that is kept. */
+export function writeMeshoptGlb(input, output, { bits = 14, simplify = 1 } = {}) {
+  const share = simplify < 1 ? ['-si', String(simplify)] : [];
+  run(process.execPath, [join(here, 'node_modules/gltfpack/cli.js'), '-i', input, '-o', output, '-c', '-vp', String(bits), ...share]);
+}
