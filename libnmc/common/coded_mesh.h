@@ -29,18 +29,18 @@ class CodedMesh {
   /// BaseMeshModel; null when decoding. An encoder sets `base()` coordinates by `coordinates_of_old`, 3 per
   /// vertex of its own numbering, and reads the new numbering from `old_index`.
   template <class Coder>
-  Status code_base(Coder& coder, const FaceLookup* lookup, const std::uint32_t* seeds,
-                   const std::int32_t* coordinates_of_old, const std::uint8_t* creases_by_edge,
-                   Array<std::uint32_t>* old_index);
+  NMC_SELDOM Status code_base(Coder& coder, const FaceLookup* lookup, const std::uint32_t* seeds,
+                              const std::int32_t* coordinates_of_old, const std::uint8_t* creases_by_edge,
+                              Array<std::uint32_t>* old_index);
   /// The base coordinates of quality layer `layer` >= 1. Encoders give the new ones, in the new numbering.
   template <class Coder>
-  Status code_base_correction(Coder& coder, int layer, const std::int32_t* coordinates);
+  NMC_SELDOM Status code_base_correction(Coder& coder, int layer, const std::int32_t* coordinates);
   /// The odd vertices of level `level` in quality layer `layer`. Encoders give the target.
   template <class Coder>
   Status code_level(Coder& coder, int layer, int level, const LevelCoefficients* target);
 
-  /// The values that `level` of attribute `index` adds, which must be its next one: see CodedAttribute, also for
-  /// `choose`. Needs the base mesh, but no level of the geometry.
+  /// The values that `level` of attribute `index` adds, which must be its next one: see CodedAttribute, also
+  /// for `choose`. Needs the base mesh, but no level of the geometry.
   template <class Coder, class Choose>
   Status code_attribute(Coder& coder, int index, int level, const Choose& choose);
 
@@ -68,7 +68,8 @@ class CodedMesh {
   /// Brings positions up to date for all vertices of `level`. Work is proportional to what has changed since
   /// the last call.
   Status update_positions(int level, StopRequest stop = {});
-  /// Brings the values of attribute `index` up to date for all vertices of `level`; kState before any is coded.
+  /// Brings the values of attribute `index` up to date for all vertices of `level`; kState before any is
+  /// coded.
   Status update_attribute(int index, int level, StopRequest stop = {});
   const CodedAttribute& attribute(int index) const { return attributes_[index]; }
   const Vec3* positions() const { return positions_.data(); }
@@ -194,7 +195,8 @@ Status CodedMesh::code_attribute(Coder& coder, int index, int level, const Choos
                    "10.3", "a level or attribute that the header does not announce");
   const AttributeDescriptor& descriptor = header_->attributes[index];
   if (level == 0) return attributes_[index].code_base(coder, descriptor, memory_, topology_[0], choose);
-  NMC_CHECK_STREAM(level == attributes_[index].next_level(), "10.3", "a level of an attribute comes out of order");
+  NMC_CHECK_STREAM(level == attributes_[index].next_level(), "10.3",
+                   "a level of an attribute comes out of order");
   NMC_TRY(ensure_topology(level - 1, false));
   return attributes_[index].code_level(coder, descriptor, level, topology_[level - 1], choose);
 }

@@ -50,13 +50,13 @@ class NumberModel {
 class CoefficientModel {
  public:
   /// Starts trained (spec appendix D).
-  CoefficientModel() { reset(); }
+  NMC_SELDOM CoefficientModel() { reset(); }
   void reset();
   /// Knows nothing: where the training starts from.
   void reset_untrained();
 
-  /// visit(first state, states per level, levels, levels told apart) for every table that starts trained, in the
-  /// order of spec appendix D.
+  /// visit(first state, states per level, levels, levels told apart) for every table that starts trained, in
+  /// the order of spec appendix D.
   template <class Visit>
   void visit_trained_states(Visit&& visit);
   /// visit(row, number of inputs, weights) for every mixer that starts trained.
@@ -123,8 +123,8 @@ class CoefficientModel {
   template <class Coder>
   std::int32_t code_signed(Coder& coder, NumberModel& magnitude, AdaptiveBit& sign, std::int32_t value);
   template <class Coder>
-  Status code_tangential(Coder& coder, Memory* memory, const LevelTopology& topology,
-                         const LevelCoefficients* previous, LevelCoefficients& coefficients);
+  NMC_SELDOM Status code_tangential(Coder& coder, Memory* memory, const LevelTopology& topology,
+                                    const LevelCoefficients* previous, LevelCoefficients& coefficients);
 
   struct SignificanceStates {
     AdaptiveBit by_energy[kLevelClasses][kKindCount][11];

@@ -134,9 +134,8 @@ std::int32_t CoefficientModel::code_signed(Coder& coder, NumberModel& magnitude,
   return negative ? -static_cast<std::int32_t>(m) : static_cast<std::int32_t>(m);
 }
 
-inline coefficient_internal::Surroundings CoefficientModel::look_around(const LevelView& view,
-                                                                        std::uint32_t edge,
-                                                                        const std::int32_t* values) {
+NMC_SELDOM inline coefficient_internal::Surroundings CoefficientModel::look_around(
+    const LevelView& view, std::uint32_t edge, const std::int32_t* values) {
   using namespace coefficient_internal;
   const LevelTopology& topology = view.topology;
   Surroundings around;

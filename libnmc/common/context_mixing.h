@@ -21,8 +21,8 @@ namespace mixing_internal {
 
 /// What the number of bits seen means for an adaptive bit.
 struct CountEffect {
-  std::int32_t reciprocal;  // 65536 / (count + 1.5), rounded down
-  std::int32_t confidence;  // 65536 count / (count + 2), rounded down
+  std::uint16_t reciprocal;  // 65536 / (count + 1.5), rounded down
+  std::uint16_t confidence;  // 65536 count / (count + 2), rounded down
 };
 struct CountTable {
   CountEffect of[kLargestCountLimit + 1];
@@ -31,8 +31,8 @@ struct CountTable {
 inline constexpr CountTable kCountTable = [] {
   CountTable table{};
   for (std::uint32_t n = 0; n <= kLargestCountLimit; ++n) {
-    table.of[n] = {static_cast<std::int32_t>(131072u / (2 * n + 3)),
-                   static_cast<std::int32_t>(65536u * n / (n + 2))};
+    table.of[n] = {static_cast<std::uint16_t>(131072u / (2 * n + 3)),
+                   static_cast<std::uint16_t>(65536u * n / (n + 2))};
   }
   return table;
 }();
