@@ -19,7 +19,7 @@ def run(*arguments, **options):
 def write_obj(path, vertices, faces):
     with open(path, "w", encoding="ascii") as file:
         for vertex in vertices:
-            file.write("v %.9g %.9g %.9g\n" % tuple(vertex))
+            file.write("v " + " ".join("%.9g" % value for value in vertex) + "\n")
         for face in faces:
             file.write("f " + " ".join(str(i + 1) for i in face) + "\n")
 
@@ -48,6 +48,14 @@ def wavy_sheet(size=30):
             a = y * (size + 1) + x
             faces += [(a, a + 1, a + size + 2), (a, a + size + 2, a + size + 1)]
     return vertices, faces
+
+
+def painted(shape):
+    """The shape with "v x y z r g b" lines: soft bands of colour."""
+    vertices, faces = shape
+    colors = [(0.5 + 0.4 * math.sin(4 * x), 0.5 + 0.4 * math.cos(3 * y + x), 0.6 + 0.3 * math.sin(5 * z))
+              for x, y, z in vertices]
+    return [tuple(v) + c for v, c in zip(vertices, colors)], faces
 
 
 class Encoding(unittest.TestCase):
@@ -269,6 +277,60 @@ class Encoding(unittest.TestCase):
             with self.subTest(arguments=arguments):
                 self.assertEqual(run(ENCODE, *arguments).returncode, code)
         self.assertEqual(existing.read_bytes(), b"precious")
+
+    def color_psnr(self, mesh, stream):
+        compared = run(COMPARE, mesh, stream, "--json")
+        self.assertEqual(compared.returncode, 0, compared.stderr.decode())
+        return json.loads(compared.stdout)["rgbPsnrDb"]
+
+    def test_colours_come_back_at_the_ratio_asked_for(self):
+        mesh = self.obj(painted(bumpy_torus()))
+        ratios = []
+        for wanted in (32, 40):
+            stream, report = self.encode(mesh, "-E", "0.3%", "-e", "1", "--base", "64", "--colour", str(wanted))
+            self.assertTrue(report["colors"]["met"])
+            self.assertGreater(report["colors"]["bytes"], 50)
+            ratios.append(self.color_psnr(mesh, stream))
+            self.assertGreater(ratios[-1], wanted - 1.5)
+        self.assertGreater(ratios[1], ratios[0])
+        for name, mark in (("out.ply", b"property uchar red"), ("out.off", b"COFF"), ("out.glb", b"COLOR_0")):
+            path = self.folder / name
+            self.assertEqual(run(DECODE, stream, "-o", path, "-f").returncode, 0)
+            self.assertIn(mark, path.read_bytes()[:2000])
+        path = self.folder / "decoded.obj"
+        self.assertEqual(run(DECODE, stream, "-o", path, "-f").returncode, 0)
+        first = next(line for line in path.read_text().splitlines() if line.startswith("v "))
+        self.assertEqual(len(first.split()), 7, first)
+
+    def test_without_colours_the_stream_is_that_of_the_bare_mesh(self):
+        options = ("-E", "1%", "-e", "1", "--base", "40", "--levels", "2")
+        bare = self.encode(self.obj(wavy_sheet(), "bare.obj"), *options)[0].read_bytes()
+        colored = self.obj(painted(wavy_sheet()), "colored.obj")
+        done = run(ENCODE, colored, "-o", self.folder / "off.nmc", "--colour", "off", *options)
+        self.assertEqual(done.returncode, 0)
+        self.assertIn(b"vertex colours", done.stderr)
+        self.assertEqual((self.folder / "off.nmc").read_bytes(), bare)
+
+    def test_a_size_holds_geometry_and_colours(self):
+        stream, report = self.encode(self.obj(painted(bumpy_torus())), "--size", "3kB", "-e", "1", "--base", "64")
+        self.assertLessEqual(stream.stat().st_size, 3000)
+        self.assertGreater(report["colors"]["psnrDb"], 25)
+
+    def test_a_ratio_that_makes_no_sense_is_refused(self):
+        mesh = self.obj(painted(wavy_sheet()))
+        for text in ("19", "61", "much", "38dB", "nan"):
+            done = run(ENCODE, mesh, "-o", self.folder / "no.nmc", "--colour", text)
+            self.assertEqual(done.returncode, 1, text)
+            self.assertIn(b"--colour", done.stderr)
+
+    def test_colours_of_scans(self):
+        mesh = CORPUS / "Laurana50k.ply"
+        if not mesh.exists():
+            self.skipTest("the corpus is not there")
+        stream, report = self.encode(mesh, "--rms-error", "0.1%", "-e", "1", "--base", "200", "--levels", "3")
+        ratio = self.color_psnr(mesh, stream)
+        print("Laurana50k.ply: %.2f dB in %d of %d bytes" % (ratio, report["colors"]["bytes"], report["bytes"]))
+        self.assertGreater(ratio, 37)
 
 
 if __name__ == "__main__":
