@@ -7,7 +7,10 @@ import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { Mesh, MeshBasicMaterial, PerspectiveCamera, Raycaster, Vector3 } from 'three';
 
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+
 import { decode, NmcDecoder } from '../nmc-decoder.mjs';
+import { NMCProgressiveMesh } from '../three/nmc-gltf.mjs';
 import { lengthOfPixels, NMCLoader, NMCMesh } from '../three/nmc-loader.mjs';
 import { refineValues } from '../three/nmc-worker.mjs';
 
@@ -143,4 +146,60 @@ test('pixels: an error of one pixel is smaller near by', async () => {
     return lengthOfPixels(1, { camera, viewportHeight: 1000, geometry });
   };
   assert.ok(length(2) < length(20));
+});
+
+/** A GLB of one triangle whose primitive carries `stream`. */
+function glbWith(stream) {
+  const json = {
+    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], extensionsUsed: ['NMC_progressive_mesh'],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, extensions: { NMC_progressive_mesh: { bufferView: 1 } } }] }],
+    accessors: [{ bufferView: 0, componentType: 5126, count: 3, type: 'VEC3', min: [0, 0, 0], max: [1, 1, 0] }],
+    bufferViews: [{ buffer: 0, byteLength: 36 }, { buffer: 0, byteOffset: 36, byteLength: stream.length }],
+    buffers: [{ byteLength: 36 + stream.length }],
+  };
+  const padded = (bytes, fill) => Buffer.concat([bytes, Buffer.alloc((4 - (bytes.length % 4)) % 4, fill)]);
+  const text = padded(Buffer.from(JSON.stringify(json)), ' ');
+  const triangle = Buffer.from(new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]).buffer);
+  const binary = padded(Buffer.concat([triangle, stream]), 0);
+  const head = (length, type) => {
+    const bytes = Buffer.alloc(8);
+    bytes.writeUInt32LE(length);
+    bytes.write(type, 4, 'latin1');
+    return bytes;
+  };
+  const size = Buffer.alloc(8);
+  size.writeUInt32LE(2);
+  size.writeUInt32LE(28 + text.length + binary.length, 4);
+  return Buffer.concat([Buffer.from('glTF'), size, head(text.length, 'JSON'), text, head(binary.length, 'BIN\0'), binary]);
+}
+
+async function readGlb(glb) {
+  const seen = { geometries: [], errors: [] };
+  const gltf = await new Promise((resolve, reject) => {
+    const settings = {
+      loader: loader(), onGeometry: (geometry) => seen.geometries.push(geometry), onError: (error) => seen.errors.push(error),
+    };
+    const bytes = glb.buffer.slice(glb.byteOffset, glb.byteOffset + glb.length);
+    new GLTFLoader().register((parser) => new NMCProgressiveMesh(parser, settings)).parse(bytes, '', resolve, reject);
+  });
+  let mesh = null;
+  gltf.scene.traverse((object) => { if (object.isMesh) mesh = object; });
+  assert.equal(mesh.geometry.attributes.position.count, 3);
+  for (let i = 0; i < 200 && seen.geometries.length + seen.errors.length === 0; ++i) {
+    await new Promise((resolve) => { setTimeout(resolve, 10); });
+  }
+  return { mesh, ...seen };
+}
+
+test('glTF: the plain mesh comes first, the stream takes its place; a broken stream leaves it', async () => {
+  globalThis.self ??= globalThis;
+  const stream = bytesOf('layers-3');
+  const good = await readGlb(glbWith(stream));
+  assert.equal(good.geometries.length, 1);
+  assert.equal(good.mesh.geometry, good.geometries[0]);
+  await good.geometries[0].finished;
+  assert.equal(good.geometries[0].positionHash, (await decode(stream, { hashes: true })).positionHash);
+  const bad = await readGlb(glbWith(Buffer.from('not a stream')));
+  assert.equal(bad.errors[0]?.code, 'NMC_ERR_NOT_NMC');
+  assert.equal(bad.mesh.geometry.attributes.position.count, 3);
 });
