@@ -5,7 +5,8 @@ set -eu
 
 build="g++ cmake ninja-build pkg-config libeigen3-dev libembree-dev libopenmesh-dev libtbb-dev libfmt-dev libcli11-dev \
 libfast-float-dev nlohmann-json3-dev libstb-dev"
-test="catch2 python3 nodejs clang lld wasi-libc libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 libclang-rt-14-dev-wasm32"
+test="catch2 python3 nodejs npm chromium nginx-light clang lld binaryen wasi-libc libc++-14-dev-wasm32 \
+libc++abi-14-dev-wasm32 libclang-rt-14-dev-wasm32"
 
 case "${1:-build}" in
   build) wanted="$build" ;;
@@ -17,6 +18,8 @@ esac
 present() {
   case "$1" in
     nodejs) command -v node >/dev/null 2>&1 ;;
+    npm) command -v npm >/dev/null 2>&1 ;;
+    nginx-light) command -v nginx >/dev/null 2>&1 || [ -x /usr/sbin/nginx ] ;;
     python3) command -v python3 >/dev/null 2>&1 ;;
     *) dpkg-query -W -f='${Status}' "$1" 2>/dev/null | grep -q 'ok installed' ;;
   esac

@@ -177,12 +177,14 @@ test('overlays, sliders, heat map and comparison; pictures', async (t) => {
   writeFileSync(join(folder, 'picture.nmc'), readFileSync(stream));
   const original = process.env.NMC_PICTURE_ORIGINAL;
   if (original) writeFileSync(join(folder, 'original.ply'), readFileSync(original));
-  else run(decode, [stream, '-o', join(folder, 'original.ply'), '-f', '--level', '6']);
-  run(decode, [stream, '-o', join(folder, 'plain.glb'), '-f', '--level', '6']);
+  else run(decode, [stream, '-o', join(folder, 'original.ply'), '-f', '--max-triangles', '40000']);
+  const glb = process.env.NMC_PICTURE_GLB;
+  if (glb) writeFileSync(join(folder, 'plain.glb'), readFileSync(glb));
+  else run(decode, [stream, '-o', join(folder, 'plain.glb'), '-f', '--max-triangles', '40000']);
   writeMeshoptGlb(join(folder, 'plain.glb'), join(folder, 'meshopt.glb'), { bits: 12 });
   await writeDracoGlb(join(folder, 'plain.glb'), join(folder, 'draco.glb'), 12);
 
-  const { page, context, complaints, events, first } = await open('?src=picture.nmc&rate=64', { width: 1280, height: 800 });
+  const { page, context, complaints, events, first } = await open(`?src=picture.nmc&rate=${Math.max(4, Math.min(64, Math.round(statSync(stream).size / 1000)))}`, { width: 1280, height: 800 });
   const take = async (name) => {
     await sleep(700);
     await page.screenshot({ path: join(pictures, `viewer-${name}.png`) });

@@ -15,7 +15,9 @@ const loader = new NMCLoader().setRenderer(stage.renderer).setWorkerLimit(2)
   .setOptions({ keepDecoder: true, uploadBytesPerFrame: 1 << 20 }).preload();
 const view = new View(stage, showLegend);
 const chart = new Chart($('chart'), (index) => pick(index));
-const rate = () => Number($('network').value);
+let queriedRate = null;  // a rate that the list does not have
+const rate = () => queriedRate ?? Number($('network').value);
+$('network').addEventListener('change', () => { queriedRate = null; });
 
 /** What is shown: the live stream, and a prefix of it while the sliders are not at their ends. */
 let session = null;
@@ -404,7 +406,10 @@ async function compareUrl(url) {
 await stage.warmUp();
 record('ready');
 const query = new URLSearchParams(location.search);
-if (query.get('rate')) $('network').value = query.get('rate');
+if (query.get('rate')) {
+  queriedRate = Number(query.get('rate')) || 0;
+  $('network').value = query.get('rate');
+}
 if (query.get('src')) showUrl(query.get('src'));
 else listSamples();
 if (query.get('compare')) compareUrl(query.get('compare'));

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The package as a user gets it: `npm pack`, installed in an empty folder for node and in an empty Vite project.
+import assert from 'node:assert/strict';
+import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+
+import { here, root, run, startBrowser, startNginx, temporaryFolder, until } from './harness.mjs';
+
+const folder = temporaryFolder();
+const vector = join(root, 'tests/conformance/vectors/layers-3');
+const { layers } = JSON.parse(readFileSync(join(vector, 'expected.json'), 'utf8'));
+const expected = layers.at(-1).positionHash;
+let tarball;
+
+before(() => {
+  const [packed] = JSON.parse(run('npm', ['pack', '--json', '--pack-destination', folder], { cwd: join(root, 'decoder/js') }));
+  tarball = join(folder, packed.filename);
+  const names = packed.files.map(({ path }) => path);
+  for (const name of ['nmc-decoder.mjs', 'nmc-decoder.d.ts', 'three/nmc-loader.mjs', 'three/nmc-worker.mjs', 'three/nmc-gltf.mjs', 'README.md']) {
+    assert.ok(names.includes(name), `${name} is not in the package`);
+  }
+  assert.ok(!names.some((name) => /test|build|src/.test(name)), names.join());
+});
+after(() => rmSync(folder, { recursive: true, force: true }));
+
+test('plain node', () => {
+  const project = join(folder, 'plain');
+  mkdirSync(project);
+  writeFileSync(join(project, 'package.json'), '{ "type": "module" }');
+  run('npm', ['install', '--no-audit', '--no-fund', '--omit=peer', tarball], { cwd: project });
+  writeFileSync(join(project, 'main.js'), `
+    import { readFileSync } from 'node:fs';
+    import { decode } from 'nmc-decoder';
+    const mesh = await decode(readFileSync(process.argv[2]), { hashes: true });
+    console.log(mesh.positionHash);`);
+  assert.equal(run(process.execPath, ['main.js', join(vector, 'stream.nmc')], { cwd: project }).trim(), expected);
+});
+
+test('an empty Vite project: the worker follows the bundle, under a strict policy', async () => {
+  const project = join(folder, 'vite');
+  mkdirSync(join(project, 'public'), { recursive: true });
+  const { version } = JSON.parse(readFileSync(join(root, 'viewer/node_modules/three/package.json'), 'utf8'));
+  writeFileSync(join(project, 'package.json'), '{ "type": "module" }');
+  run('npm', ['install', '--no-audit', '--no-fund', '--prefer-offline', tarball, `three@${version}`], { cwd: project });
+  copyFileSync(join(vector, 'stream.nmc'), join(project, 'public/stream.nmc'));
+  writeFileSync(join(project, 'index.html'), '<!doctype html><title>t</title><script type="module" src="/main.js"></script>');
+  writeFileSync(join(project, 'main.js'), `
+    import { NMCLoader } from 'nmc-decoder/three';
+    const loader = new NMCLoader();
+    const geometry = await loader.loadAsync('stream.nmc');
+    await geometry.finished;
+    document.title = geometry.positionHash + ' ' + loader.workerCount;`);
+  run(process.execPath, [join(here, 'node_modules/vite/bin/vite.js'), 'build', '--config', join(here, 'empty.config.js')], { cwd: project });
+  const nginx = await startNginx(join(project, 'dist'));
+  const browser = await startBrowser();
+  try {
+    const page = await browser.newPage();
+    await page.goto(nginx.url);
+    const title = await until(async () => {
+      const now = await page.title();
+      return now.length > 10 ? now : null;
+    }, 'the hash', 20000);
+    assert.equal(title, `${expected} 1`);
+  } finally {
+    await browser.close();
+    await nginx.stop();
+  }
+});
