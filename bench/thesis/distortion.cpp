@@ -7,8 +7,7 @@
 #include <numbers>
 
 #include "bench/thesis/experiment.h"
-#include "encoder/render/image.h"
-#include "encoder/render/rasterizer.h"
+#include "bench/thesis/shaded_panel.h"
 #include "encoder/sphere/sphere_parameterization.h"
 
 namespace nmc_bench {
@@ -48,47 +47,6 @@ Distortion measure(const TriangleMesh& mesh, const std::vector<Vec3>& x) {
   return {quantile(areas, 0.01), quantile(areas, 0.99), quantile(stretches, 0.5), quantile(stretches, 0.99)};
 }
 
-constexpr int kOversampling = 2;
-
-// One panel: `shown` seen from `from`; the color of a point comes from the surface normal (shade) and, with a
-// checker, from its longitude and latitude on the sphere.
-Image panel(const TriangleMesh& shown, const std::vector<Vec3>& normals, const std::vector<Vec3>* checker,
-            const Vec3& from, const Vec3& up, int size) {
-  const int pixels = size * kOversampling;
-  const Camera camera = camera_around(shown, from, up, pixels, pixels, 8 * kOversampling);
-  const VisibleSurface visible = rasterize(shown, camera, pixels, pixels);
-  Image image(pixels, pixels, RgbColor{255, 255, 255});
-  const Vec3 light = normalized(camera.back + 0.5 * camera.up - 0.3 * camera.right);
-  for (int y = 0; y < pixels; ++y) {
-    for (int x = 0; x < pixels; ++x) {
-      const auto& pixel = visible.pixels[static_cast<std::size_t>(y) * pixels + x];
-      if (pixel.triangle == VisibleSurface::kNothing) continue;
-      const Triangle& t = shown.triangles[pixel.triangle];
-      Vec3 normal, place;
-      for (int k = 0; k < 3; ++k) {
-        normal += pixel.barycentric[k] * normals[t[k]];
-        if (checker) place += pixel.barycentric[k] * (*checker)[t[k]];
-      }
-      normal = normalized(normal);
-      double shade = 0.25 + 0.75 * std::max(0.0, dot(normal, light));
-      Vec3 color{230, 225, 215};
-      if (checker) {
-        place = normalized(place);
-        const double longitude = std::atan2(place.y, place.x) / std::numbers::pi * 18;
-        const double latitude = std::asin(std::clamp(place.z, -1.0, 1.0)) / std::numbers::pi * 18;
-        const bool dark =
-            (static_cast<int>(std::floor(longitude)) + static_cast<int>(std::floor(latitude))) % 2 != 0;
-        if (dark) color = {90, 120, 170};
-      }
-      const auto channel = [&](double v) {
-        return static_cast<std::uint8_t>(std::clamp(v * shade, 0.0, 255.0));
-      };
-      image.at(x, y) = RgbColor{channel(color.x), channel(color.y), channel(color.z)};
-    }
-  }
-  return reduce(image, kOversampling);
-}
-
 }  // namespace
 
 void run_distortion(const Settings& settings) {
@@ -109,6 +67,7 @@ void run_distortion(const Settings& settings) {
   for (const Model& model :
        {Model{"igea.ply", {0.2, 0.1, 1}, {0, 1, 0}}, Model{"horse.ply", {-0.7, -1, 0.2}, {0, 0, 1}},
         Model{"armadillo.obj", {0.3, 0.2, -1}, {0, 1, 0}}}) {
+    if (!settings.wants(model.file)) continue;
     const TriangleMesh mesh = simplify_genus0(load_mesh(settings, model.file), 20000);
     const std::vector<Vec3> normals = vertex_normals(mesh);
     constexpr int kSize = 240;
@@ -131,8 +90,9 @@ void run_distortion(const Settings& settings) {
       for (std::size_t v = 0; v < x.size(); ++v)
         front += std::max(0.0, dot(normals[v], normalized(model.from))) * x[v];
       picture.draw_text(left + 8, 6, 1, energies[i].name, RgbColor{0, 0, 0});
-      picture.paste(panel(sphere, normals, nullptr, normalized(front), {0.1, 0.2, 1}, kSize), left, 20);
-      picture.paste(panel(mesh, normals, &x, model.from, model.up, kSize), left, 20 + kSize);
+      picture.paste(shaded_panel(sphere, normals, nullptr, normalized(front), {0.1, 0.2, 1}, kSize), left,
+                    20);
+      picture.paste(shaded_panel(mesh, normals, &x, model.from, model.up, kSize), left, 20 + kSize);
     }
     const std::string stem = std::string(model.file).substr(0, std::string(model.file).find('.'));
     write_png(settings.output + "/fig_4_5_" + stem + ".png", picture);
