@@ -75,6 +75,7 @@ void run_fold_free(const Settings& settings) {
   Table starts({"mesh", "vertices", "start", "folds at the start", "steps until fold-free", "steps in all",
                 "gradient", "folds at the end"});
   for (const std::string& file : genus0_files()) {
+    if (!settings.wants(file)) continue;
     const TriangleMesh mesh = load_mesh(settings, file);
     for (const double dirichlet : {1.0, 0.2}) {
       SphereOptions options;
@@ -129,6 +130,7 @@ void run_collapse(const Settings& settings) {
   const std::vector<Energy> energies{
       {"Tutte", {1, 0, 0, 0, 0, true}}, {"(1; 0)", {0, 1, 0, 0, 0, true}}, {"(1; 1)", {0, 1, 1, 0, 0, true}}};
   for (const std::string& file : genus0_files()) {
+    if (!settings.wants(file)) continue;
     const TriangleMesh small = simplify_genus0(load_mesh(settings, file), 1000);
     const std::vector<Vec3> start = parameterize_sphere(small).positions;
     for (const Energy& energy : energies) {
