@@ -83,6 +83,9 @@ class Candidate {
   /// Error of the fit before quantization, measured as the final one is.
   MeasuredError fitted_error() const;
 
+  /// True where the fit itself leaves more places beyond `tolerance` than repair() takes on: no step can help.
+  bool is_out_of_reach(double tolerance) const;
+
   Trial quantize(double normal_step, const StreamDescription& description, const TrialOptions& options);
 
   /// Brings the places of `trial` that are farther than `tolerance` from the input within it where a few integers
@@ -104,6 +107,9 @@ class Candidate {
                    const ColorStream* colors = nullptr) const;
   /// Size and error of trial.mesh.
   void assess(const StreamDescription& description, const TrialOptions& options, Trial& trial) const;
+
+  /// Vertices of the finest level before quantization.
+  std::vector<Vec3> fitted_positions() const;
 
   struct State;
   std::unique_ptr<State> state_;

@@ -320,6 +320,10 @@ class MeshEncoder {
     target_search.maximum_trials = is_last_resort ? kTrialsOfLastResort : plan_.trials_per_candidate;
     target_search.trial.measure_sample_count = 60000;
     target_search.trial.quality_layer_count = options_.quality_layer_count;
+    // One trial for the record, where more cannot help.
+    if (options_.target.kind == TargetKind::kMaximumError && !is_last_resort &&
+        outcome.candidate->is_out_of_reach(options_.target.value))
+      target_search.maximum_trials = 1;
     if (best_.met) target_search.bytes_to_beat = best_.trial.byte_count;
     double first_step = step_guess_ > 0 ? step_guess_
                                         : result_.diagonal * 2e-3 * std::pow(relative_target() / 1.8e-4, 1.6);

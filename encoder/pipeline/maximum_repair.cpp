@@ -111,6 +111,21 @@ void grant(const Wishes& wishes, const SubdivisionHierarchy& hierarchy, const st
 
 }  // namespace
 
+std::size_t count_beyond(const SurfaceIndex& input, const std::vector<Vec3>& positions,
+                         const std::vector<Triangle>& faces, double tolerance) {
+  const SurfaceIndex surface(positions, faces);
+  std::vector<std::uint8_t> beyond(input.positions().size(), 0);
+  for (const Triangle& t : input.triangles())
+    for (const std::uint32_t v : t) beyond[v] = 1;
+  parallel_for(beyond.size(), [&](std::size_t v) {
+    if (beyond[v]) beyond[v] = !surface.is_within(input.positions()[v], tolerance);
+  });
+  const std::size_t of_mesh = parallel_sum<std::size_t>(positions.size(), [&](std::size_t v) {
+    return static_cast<std::size_t>(!input.is_within(positions[v], tolerance));
+  });
+  return of_mesh + static_cast<std::size_t>(std::count(beyond.begin(), beyond.end(), 1));
+}
+
 MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionHierarchy& hierarchy,
                                    const MaximumRepairOptions& options, QuantizedMesh& mesh) {
   MaximumRepairResult result;

@@ -22,6 +22,11 @@ struct MaximumRepairOptions {
   double largest_share = 0.01;
 };
 
+/// Vertices of `input` (those its triangles use) and of the mesh that are farther than `tolerance` from the other
+/// surface. One query per vertex, most of them ended by the first triangle.
+std::size_t count_beyond(const SurfaceIndex& input, const std::vector<Vec3>& positions,
+                         const std::vector<Triangle>& faces, double tolerance);
+
 struct MaximumRepairResult {
   std::size_t initial_beyond = 0, final_beyond = 0;  // input and mesh vertices farther than the tolerance
   int rounds = 0;

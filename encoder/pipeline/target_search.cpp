@@ -42,13 +42,13 @@ Trial try_step(Candidate& candidate, const Target& target, const StreamDescripti
 namespace {
 
 /// Bytes go with the error to this power, near enough to compare two trials whose errors differ by a third.
-constexpr double kBytesOverError = -1.1;
+constexpr double kBytesOverError = -1.05;
 
 /// Whether the trial, brought to the target along the usual curve, would take clearly more bytes than another way.
 bool is_beaten(const Target& target, const Trial& trial, double ratio, std::size_t bytes_to_beat) {
   if (bytes_to_beat == 0 || target.kind != TargetKind::kRmsError || std::abs(std::log(ratio)) > 0.3) return false;
   const double expected = static_cast<double>(trial.byte_count) * std::pow(1 / ratio, kBytesOverError);
-  return expected > 1.02 * static_cast<double>(bytes_to_beat);
+  return expected > 1.015 * static_cast<double>(bytes_to_beat);
 }
 
 /// Correspondences of a step that is not far from the next one's.
@@ -65,7 +65,11 @@ TargetSearchResult search_maximum_error(Candidate& candidate, const Target& targ
   std::optional<double> meets, fails;  // steps
   double step = first_step;
   for (int i = 0; i < options.maximum_trials; ++i) {
-    Trial trial = try_step(candidate, target, description, step, options.trial);
+    TrialOptions trial_options = options.trial;
+    trial_options.keep_correspondences =
+        !result.trials.empty() && std::abs(std::log(step / result.trials.back().normal_step)) < kNearStep;
+    Trial trial = try_step(candidate, target, description, step, trial_options);
+    const std::size_t byte_count = trial.byte_count;
     Trial record = trial;
     record.mesh = {};
     record.coarser_layers.clear();
@@ -77,6 +81,8 @@ TargetSearchResult search_maximum_error(Candidate& candidate, const Target& targ
     } else if (!result.nearest || ratio < target_ratio(target, *result.nearest)) {
       result.nearest = std::move(trial);
     }
+    // Only finer steps can help a trial that misses, and they cost more.
+    if (ratio > 1 && options.bytes_to_beat > 0 && byte_count >= options.bytes_to_beat) break;
     if (meets && fails) {
       if (*fails / *meets < 1.25) break;
       step = std::sqrt(*meets * *fails);
