@@ -120,7 +120,10 @@ class Rock {
   void write_base(nmc::StreamWriter& writer) {
     constexpr std::uint32_t faces[8][3] = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
                                            {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-    std::int32_t coordinates[18] = {};
+    std::int32_t coordinates[18];
+    // They count from the corner of the box, whose centre is the origin.
+    std::fill(coordinates, coordinates + 18, 3 * kBaseRadius / 2);
+    for (int v = 0; v < 6; ++v) coordinates[3 * v + v / 2] += v % 2 == 0 ? kBaseRadius : -kBaseRadius;
     // The first quality layer's grid is coarser by the product of the ratios.
     for (std::int32_t& x : coordinates) x /= kLayerRatio * kLayerRatio;
     Array<std::uint32_t> old_index;

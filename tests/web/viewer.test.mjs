@@ -47,7 +47,7 @@ async function open(path, { url = nginx.url, width = 960, height = 600, ...optio
   const context = await browser.newContext({ viewport: { width, height }, ...options });
   const page = await context.newPage();
   const complaints = [];
-  page.on('console', (message) => { if (message.type() === 'error') complaints.push(message.text()); });
+  page.on('console', (message) => { if (message.type() === 'error' || /INVALID_|GL_/.test(message.text())) complaints.push(message.text()); });
   page.on('pageerror', (error) => complaints.push(String(error)));
   await page.addInitScript(() => {
     window.longTasks = [];
@@ -93,6 +93,7 @@ test('a stream of 3 MB at 1 Mbit/s: early, often, without a long task, and exact
     t.diagnostic(`first mesh after ${firstLayer.bytes} bytes, ${layers.length - 1} refinements, complete after ` +
       `${((complete.time - ready.time) / 1000).toFixed(1)} s, long tasks: ${tasks.map((x) => x.duration).join(' ') || 'none'} ms`);
     assert.deepEqual(complaints, []);
+    assert.equal(await page.evaluate(() => window.nmcViewer.stage.renderer.info.render.triangles), 2097152);
     await context.close();
   }
   assert.ok(longest <= 50, `a task of ${longest} ms held the page`);

@@ -177,7 +177,8 @@ export class NMCGeometry extends BufferGeometry {
     const { positions, normals, indices, colors, startPositions, startNormals } = message;
     const piece = (array, itemSize, normalized) => (array ? { array, itemSize, normalized } : null);
     const attributes = await uploadAttributes([
-      piece(positions, 3, false), piece(normals, 4, true), piece(indices, 1, false), piece(colors, 4, true),
+      piece(positions, 3, false), piece(normals, 4, true), indices ? { array: indices, itemSize: 1, normalized: false, isIndex: true } : null,
+      piece(colors, 4, true),
       piece(startPositions, 3, false), piece(startNormals, 4, true),
     ], this._renderer, this._bytesPerFrame, () => this._isOver);
     if (!attributes) return;

@@ -52,8 +52,18 @@ async function cardIsIdle(gl, isOver) {
   gl.deleteSync(fence);
 }
 
+/** WebGL wants to know of a buffer of indices by its first binding. */
+function bindFirstAsIndex(gl, buffer) {
+  const current = gl.getParameter(gl.VERTEX_ARRAY_BINDING);
+  const own = gl.createVertexArray();
+  gl.bindVertexArray(own);
+  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, buffer);
+  gl.bindVertexArray(current);
+  gl.deleteVertexArray(own);
+}
+
 /**
- * Attributes for `pieces`, rows of { array, itemSize, normalized }, null for each null. With a WebGL renderer their
+ * Attributes for `pieces`, rows of { array, itemSize, normalized, isIndex }, null for each null. With a WebGL renderer their
  * bytes are uploaded before the promise resolves, at most `bytesPerFrame` in a frame; `isOver()` ends it early, and
  * then it resolves to null.
  */
@@ -70,6 +80,7 @@ export async function uploadAttributes(pieces, renderer, bytesPerFrame, isOver) 
     // Bound where no vertex array object notices: the renderer keeps count of its own bindings.
     const buffer = gl.createBuffer();
     buffers.push(buffer);
+    if (piece.isIndex) bindFirstAsIndex(gl, buffer);
     gl.bindBuffer(gl.COPY_WRITE_BUFFER, buffer);
     gl.bufferData(gl.COPY_WRITE_BUFFER, array.byteLength, gl.STATIC_DRAW);
     const bytes = new Uint8Array(array.buffer, array.byteOffset, array.byteLength);
