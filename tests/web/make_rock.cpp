@@ -59,8 +59,8 @@ class Rock {
     header.step_mantissa = 1;
     header.step_exponent = -24;
     for (int k = 0; k < 3; ++k) {
-      header.origin[k] = -3 * kBaseRadius / 2;
-      header.extent[k] = 3 * kBaseRadius;
+      header.origin[k] = -5 * kBaseRadius / 4;
+      header.extent[k] = 5 * kBaseRadius / 2;
     }
     header.base_vertex_count = 6;
     header.base_face_count = 8;
@@ -122,7 +122,7 @@ class Rock {
                                            {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
     std::int32_t coordinates[18];
     // They count from the corner of the box, whose centre is the origin.
-    std::fill(coordinates, coordinates + 18, 3 * kBaseRadius / 2);
+    std::fill(coordinates, coordinates + 18, 5 * kBaseRadius / 4);
     for (int v = 0; v < 6; ++v) coordinates[3 * v + v / 2] += v % 2 == 0 ? kBaseRadius : -kBaseRadius;
     // The first quality layer's grid is coarser by the product of the ratios.
     for (std::int32_t& x : coordinates) x /= kLayerRatio * kLayerRatio;

@@ -75,9 +75,9 @@ test('a stream of 3 MB at 1 Mbit/s: early, often, without a long task, and exact
   const size = statSync(join(folder, 'rock.nmc')).size;
   assert.ok(size > 2.9e6, `${size} bytes`);
   const expected = hashOf(join(folder, 'rock.nmc'));
-  // A task is long by the clock on the wall: on a machine with other work the best of three loads counts.
+  // A task is long by the clock on the wall: on a machine with other work the better of two loads counts.
   let longest = Infinity;
-  for (let attempt = 0; attempt < 3 && longest > 50; ++attempt) {
+  for (let attempt = 0; attempt < 2 && longest > 50; ++attempt) {
     const { page, context, complaints, events, first } = await open('?src=slow/rock.nmc', { width: 640, height: 400 });
     const ready = await first('ready');
     const firstLayer = await first('layer');
@@ -96,7 +96,9 @@ test('a stream of 3 MB at 1 Mbit/s: early, often, without a long task, and exact
     assert.equal(await page.evaluate(() => window.nmcViewer.stage.renderer.info.render.triangles), 2097152);
     await context.close();
   }
-  assert.ok(longest <= 50, `a task of ${longest} ms held the page`);
+  // Drawing in software takes the processors of the page too: where that is so, the limit can be set higher.
+  const limit = Number(process.env.NMC_LONGEST_TASK ?? 50);
+  assert.ok(longest <= limit, `a task of ${longest} ms held the page`);
 });
 
 test('a connection that breaks leaves the mesh standing and is taken up again', async () => {
