@@ -1324,6 +1324,7 @@ struct Stream {
   std::vector<u32> valence;
   std::vector<Level> levels;
   std::vector<i64> inserted;  // per vertex of all levels decoded so far
+  u64 value_count = 0;        // coefficients and attribute values of all layers
 
   const Mesh& mesh(int level) {
     while (static_cast<int>(meshes.size()) <= level) meshes.push_back(split(meshes.back()));
@@ -1344,6 +1345,12 @@ struct Stream {
     const u64 count = vertices_of_level(level);
     if (count > limits.vertices || count > (u64{1} << 30)) return "8";
     return level > 0 && count > 2048 + 64 * bytes ? "8.2" : nullptr;
+  }
+
+  /// 8.2: the values of all layers against the bytes.
+  void count_values(u64 count, u64 bytes) {
+    value_count += count;
+    if (value_count > 32768 + 128 * bytes) fail(Code::kLimit, "8.2");
   }
 
   void decode_chunk(u8 type, const u8* payload, std::size_t size, u64 end_offset, const Limits& limits) {
@@ -1396,6 +1403,7 @@ struct Stream {
     ArithmeticDecoder code(payload + 3, size - 3);
     for (int l = first; l < first + count; ++l) {
       if (const char* section = forbids(l + 1, end_offset, limits)) fail(Code::kLimit, section);
+      count_values(vertices_of_level(l + 1) - vertices_of_level(l), end_offset);
       decode_part(code, [&] {
         Level& level = levels[static_cast<std::size_t>(l)];
         check(layer < header.layer_count, "5.3");
@@ -1421,6 +1429,10 @@ struct Stream {
     ArithmeticDecoder code(payload + 3, size - 3);
     for (int l = first; l < first + count; ++l) {
       if (const char* section = forbids(l, end_offset, limits)) fail(Code::kLimit, section);
+      if (index < header.attributes.size()) {
+        const u64 added = vertices_of_level(l) - (l > 0 ? vertices_of_level(l - 1) : 0);
+        count_values(added * static_cast<u64>(header.attributes[index].components), end_offset);
+      }
       decode_part(code, [&] {
         check(index < header.attributes.size() && l <= header.attributes[index].finest_level, "10.3");
         AttributeDecoder& attribute = attributes[index];

@@ -19,7 +19,8 @@ void check(const Status& status) {
 }
 
 std::uint8_t step_code(int eighths) {
-  if (eighths < -64 || eighths > 191) throw Error(ExitCode::kLimit, "the steps of the levels lie too far apart");
+  if (eighths < -64 || eighths > 191)
+    throw Error(ExitCode::kLimit, "the steps of the levels lie too far apart");
   return static_cast<std::uint8_t>(64 + eighths);
 }
 
@@ -77,11 +78,13 @@ StreamOrigin stream_origin(const StreamSteps& steps, const Vec3& corner) {
 
 Vec3 StreamOrigin::position(const StreamSteps& steps) const {
   const double step = steps.grid_step();
-  return {static_cast<double>(at[0]) * step, static_cast<double>(at[1]) * step, static_cast<double>(at[2]) * step};
+  return {static_cast<double>(at[0]) * step, static_cast<double>(at[1]) * step,
+          static_cast<double>(at[2]) * step};
 }
 
 StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer_ratio,
-                      const SubdivisionHierarchy& hierarchy, const std::vector<std::uint8_t>& base_creases, const StreamSteps& steps, const StreamDescription& description,
+                      const SubdivisionHierarchy& hierarchy, const std::vector<std::uint8_t>& base_creases,
+                      const StreamSteps& steps, const StreamDescription& description,
                       const MeasureLevel& measure, const ColorStream* colors) {
   const QuantizedMesh& mesh = *layers.front();
   const LevelTopology& base = hierarchy.level(0);
@@ -109,8 +112,10 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
   header.base_face_count = base.face_count;
   header.level_count = stored_level_count;
   header.quality_layer_count = static_cast<int>(layers.size());
-  if (header.quality_layer_count > kMaximumLayerCount) throw Error(ExitCode::kLimit, "too many quality layers");
-  for (std::size_t k = 1; k < layers.size(); ++k) header.layer_ratio[k] = static_cast<std::uint8_t>(layer_ratio);
+  if (header.quality_layer_count > kMaximumLayerCount)
+    throw Error(ExitCode::kLimit, "too many quality layers");
+  for (std::size_t k = 1; k < layers.size(); ++k)
+    header.layer_ratio[k] = static_cast<std::uint8_t>(layer_ratio);
   header.tangential_code = step_code(steps.eighths_tangential);
   for (int l = 0; l < level_count; ++l) {
     const bool coded = l < coded_level_count;
@@ -145,18 +150,50 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     }
     row.triangle_count = hierarchy.level(level).face_count;
     row.end_offset = writer.chunks().size();
-    check(writer.end_layer(level, error_to_code(row.error.rms, diagonal), error_to_code(row.error.maximum, diagonal)));
+    check(writer.end_layer(level, error_to_code(row.error.rms, diagonal),
+                           error_to_code(row.error.maximum, diagonal)));
     result.rows.push_back(row);
   };
 
   Array<std::uint32_t> old_index;
   const auto* coordinates = mesh.base_coordinates.front().data();
-  check(writer.add_base(base.face_vertices.data(), coordinates, base_creases.empty() ? nullptr : base_creases.data(),
-                        old_index));
+  check(writer.add_base(base.face_vertices.data(), coordinates,
+                        base_creases.empty() ? nullptr : base_creases.data(), old_index));
   for (std::uint32_t v = 0; v < base.vertex_count; ++v) {
     if (old_index[v] != v) throw Error(ExitCode::kInternal, "the base mesh is not in stream order");
   }
   result.base_size = writer.chunks().size();
+  // A decoder refuses levels that are large beside the bytes before them, and values beyond a number per byte
+  // (spec 8.2). The header is left out here, so the bytes are counted too low. Only surfaces with next to no
+  // detail are concerned.
+  const auto vertex_count_of = [&](int level) {
+    const LevelTopology& known = hierarchy.level(std::min(level, level_count));
+    std::uint64_t vertex_count = known.vertex_count, edge_count = known.edge_count,
+                  face_count = known.face_count;
+    for (int l = level_count; l < level; ++l) {
+      vertex_count += edge_count;
+      edge_count = 2 * edge_count + 3 * face_count;
+      face_count *= 4;
+    }
+    return vertex_count;
+  };
+  const auto bytes_needed = [&](int level) {
+    const std::uint64_t vertex_count = vertex_count_of(level);
+    return vertex_count <= kFreeVertices
+               ? 0
+               : (vertex_count - kFreeVertices + kVerticesPerByte - 1) / kVerticesPerByte;
+  };
+  const auto fill_up_to = [&](std::uint64_t needed) {
+    if (needed <= writer.chunks().size()) return;
+    const std::vector<std::uint8_t> spaces(static_cast<std::size_t>(needed - writer.chunks().size()), ' ');
+    check(writer.add_chunk(static_cast<std::uint8_t>(ChunkType::kMetadata), spaces.data(), spaces.size()));
+  };
+  std::uint64_t value_count = 0;
+  const auto count_values = [&](std::uint64_t count) {
+    value_count += count;
+    if (value_count > kFreeValues)
+      fill_up_to((value_count - kFreeValues + kValuesPerByte - 1) / kValuesPerByte);
+  };
   int next_color_level = 0;
   /// Colours of all levels up to `level` that have not come yet, in one chunk.
   const auto add_colors = [&](int level) {
@@ -164,8 +201,12 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     if (next_color_level > last) return;
     const std::size_t before = writer.chunks().size();
     std::vector<const std::int32_t*> corrections;
-    for (int l = next_color_level; l <= last; ++l)
+    std::uint64_t correction_count = 0;
+    for (int l = next_color_level; l <= last; ++l) {
       corrections.push_back(colors->corrections[static_cast<std::size_t>(l)].data());
+      correction_count += colors->corrections[static_cast<std::size_t>(l)].size();
+    }
+    count_values(correction_count);
     check(writer.add_attribute(0, next_color_level, last - next_color_level + 1, corrections.data()));
     next_color_level = last + 1;
     result.color_size += writer.chunks().size() - before;
@@ -173,30 +214,12 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
   add_colors(0);
 
   std::size_t row_start = 0;
-  // A decoder refuses levels that are large beside the bytes before them (spec 8.2). The header is left out here, so
-  // the bytes are counted too low.
-  const auto bytes_needed = [&](int level) {
-    const LevelTopology& known = hierarchy.level(std::min(level, level_count));
-    std::uint64_t vertex_count = known.vertex_count, edge_count = known.edge_count, face_count = known.face_count;
-    for (int l = level_count; l < level; ++l) {
-      vertex_count += edge_count;
-      edge_count = 2 * edge_count + 3 * face_count;
-      face_count *= 4;
-    }
-    return vertex_count <= kFreeVertices ? 0 : (vertex_count - kFreeVertices + kVerticesPerByte - 1) / kVerticesPerByte;
-  };
   const auto shown_level = [&](int levels_done) {
     int level = std::min(level_count, levels_done + 2);
     while (level > levels_done && bytes_needed(level) > writer.chunks().size()) --level;
     return level;
   };
-  /// Only surfaces with next to no detail need it.
-  const auto fill_up_for = [&](int level) {
-    const std::uint64_t needed = bytes_needed(level);
-    if (needed <= writer.chunks().size()) return;
-    const std::vector<std::uint8_t> spaces(static_cast<std::size_t>(needed - writer.chunks().size()), ' ');
-    check(writer.add_chunk(static_cast<std::uint8_t>(ChunkType::kMetadata), spaces.data(), spaces.size()));
-  };
+  const auto fill_up_for = [&](int level) { fill_up_to(bytes_needed(level)); };
   std::vector<LevelCoefficients> pending;
   const auto flush = [&](int levels_done) {
     if (pending.empty()) return;
@@ -204,6 +227,7 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     for (const LevelCoefficients& level : pending) pointers.push_back(&level);
     const int first = levels_done - static_cast<int>(pending.size());
     fill_up_for(levels_done == coded_level_count ? level_count : levels_done);
+    for (const LevelCoefficients& level : pending) count_values(level.normal.size());
     check(writer.add_levels(0, first, static_cast<int>(pending.size()), pointers.data()));
     pending.clear();
     add_colors(levels_done);
@@ -221,8 +245,8 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     const std::size_t before = writer.chunks().size();
     pending.push_back(coefficients_of(mesh, l));
     const bool last = l + 1 == coded_level_count;
-    // Levels grow: a level of few coefficients shares its chunk and row with the next one, and so do the last levels
-    // when what follows would not fill a row of its own.
+    // Levels grow: a level of few coefficients shares its chunk and row with the next one, and so do the last
+    // levels when what follows would not fill a row of its own.
     std::size_t rest = 0;
     for (int m = l + 1; m < coded_level_count; ++m) rest += nonzero_count(m);
     const bool is_small = nonzero_count(l) + (before - row_start) < kSmallestRow;
@@ -233,7 +257,8 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     row_start = writer.chunks().size();
   }
 
-  // Later quality layers refine all levels; their rows show the finest level, half of each layer's levels at a time.
+  // Later quality layers refine all levels; their rows show the finest level, half of each layer's levels at
+  // a time.
   for (std::size_t k = 1; k < layers.size(); ++k) {
     const QuantizedMesh& layer = *layers[k];
     const int number = static_cast<int>(k);
@@ -244,6 +269,7 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
       for (int l = first; l < last; ++l) levels.push_back(coefficients_of(layer, l));
       std::vector<const LevelCoefficients*> pointers;
       for (const LevelCoefficients& level : levels) pointers.push_back(&level);
+      for (const LevelCoefficients& level : levels) count_values(level.normal.size());
       check(writer.add_levels(number, first, last - first, pointers.data()));
       first = last;
       end_row(level_count);
@@ -257,7 +283,8 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     row.level = l;
     row.triangle_count *= 4;
     row.end_offset = writer.chunks().size();
-    check(writer.end_layer(l, error_to_code(row.error.rms, diagonal), error_to_code(row.error.maximum, diagonal)));
+    check(writer.end_layer(l, error_to_code(row.error.rms, diagonal),
+                           error_to_code(row.error.maximum, diagonal)));
     result.rows.push_back(row);
   }
 

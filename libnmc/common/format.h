@@ -25,6 +25,8 @@ inline constexpr std::uint64_t kVerticesPerByte = 64;      // a level may hold k
 inline constexpr std::uint64_t kFreeVertices = 2048;       // byte of the stream up to the end of its chunk
 inline constexpr std::uint64_t kBaseFacesPerByte = 64;     // the base mesh may hold kFreeBaseFaces + 64 faces per
 inline constexpr std::uint64_t kFreeBaseFaces = 1024;      // byte of its chunk
+inline constexpr std::uint64_t kValuesPerByte = 128;       // all layers together may hold kFreeValues + 128
+inline constexpr std::uint64_t kFreeValues = 1 << 15;      // values per byte
 inline constexpr std::uint64_t kMaximumVertexCount = std::uint64_t{1} << 30;
 inline constexpr std::int64_t kMaximumOrigin = std::int64_t{1} << 51;
 

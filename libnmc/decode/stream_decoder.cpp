@@ -99,6 +99,14 @@ Status StreamDecoder::check_level_size(int level, std::uint64_t bytes) const {
   return ok_status();
 }
 
+Status StreamDecoder::count_values(std::uint64_t count, std::uint64_t bytes) {
+  value_count_ += count;
+  if (value_count_ > kFreeValues + kValuesPerByte * bytes) {
+    return {StatusCode::kLimit, "8.2", "the stream has more values than so few bytes may describe"};
+  }
+  return ok_status();
+}
+
 Status StreamDecoder::next(DecoderEvent& event) {
   event = DecoderEvent::kNeedMoreInput;
   if (!error_.status.ok()) return error_.status;
@@ -236,6 +244,7 @@ Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, 
       RangeDecoder coder(payload + 3, size - 3, limits_.stop);
       for (int level = first_level; level < first_level + level_count; ++level) {
         NMC_TRY(check_level_size(level + 1, end_offset));
+        NMC_TRY(count_values(level_vertex_count(level + 1) - level_vertex_count(level), end_offset));
         NMC_TRY(outcome(coder, mesh_.code_level(coder, layer, level, nullptr)));
       }
       return ok_status();
@@ -250,6 +259,12 @@ Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, 
       const auto no_choice = [](auto...) {};
       for (int level = first_level; level < first_level + level_count; ++level) {
         NMC_TRY(check_level_size(level, end_offset));
+        if (attribute < header_.attribute_count) {
+          const std::uint64_t known = level > 0 ? level_vertex_count(level - 1) : 0;
+          const int component_count = header_.attributes[attribute].component_count;
+          NMC_TRY(count_values(
+              (level_vertex_count(level) - known) * static_cast<std::uint64_t>(component_count), end_offset));
+        }
         NMC_TRY(outcome(coder, mesh_.code_attribute(coder, attribute, level, no_choice)));
       }
       return ok_status();

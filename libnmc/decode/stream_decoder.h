@@ -70,8 +70,8 @@ class StreamDecoder {
   /// Legal as level_size. After an error inside a layer whose checksums were right the older state may be
   /// lost, and then this returns that error.
   Status update_positions(int level);
-  /// Values of attribute `index` at the vertices of `level`, into mesh().attribute(index). Legal as level_size;
-  /// kState while no value of it has come.
+  /// Values of attribute `index` at the vertices of `level`, into mesh().attribute(index). Legal as
+  /// level_size; kState while no value of it has come.
   Status update_attribute(int index, int level);
   /// Bytes of the chunks of attribute `index` so far.
   std::uint64_t attribute_size(int index) const { return attribute_size_[index]; }
@@ -85,6 +85,8 @@ class StreamDecoder {
   Status check_limits() const;
   /// Whether a stream of `bytes` bytes may hold that level (spec 8.2).
   Status check_level_size(int level, std::uint64_t bytes) const;
+  /// Adds to the values decoded so far, before they are: that bounds the work per byte (spec 8.2).
+  Status count_values(std::uint64_t count, std::uint64_t bytes);
   Status check_readable(int level) const;
   Status begin_stream(DecoderEvent& event);
   Status check_arrived_chunks(bool& layer_is_complete);
@@ -103,6 +105,7 @@ class StreamDecoder {
   std::uint64_t buffer_offset_ = 0;
   std::uint64_t header_size_ = 0;
   std::uint64_t layer_end_offset_ = 0;
+  std::uint64_t value_count_ = 0;   // coefficients and attribute values of all layers
   std::uint64_t layer_target_ = 0;  // stream offset at which the next row of the table is complete
   std::uint64_t attribute_size_[kMaximumAttributeCount] = {};
   std::size_t layers_complete_ = 0;

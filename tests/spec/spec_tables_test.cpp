@@ -91,6 +91,8 @@ TEST_CASE("spec: the bounds of counts against bytes are those of the code", "[sp
                   " n") != std::string::npos);
   CHECK(text.find("may hold " + std::to_string(kFreeVertices) + " + " + std::to_string(kVerticesPerByte) +
                   " n vertices") != std::string::npos);
+  CHECK(text.find("more than " + std::to_string(kFreeValues) + " + " + std::to_string(kValuesPerByte) + " n;") !=
+        std::string::npos);
 }
 
 TEST_CASE("spec: types of chunks are those of the code", "[spec]") {
