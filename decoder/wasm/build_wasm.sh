@@ -6,7 +6,7 @@
 # entropy decoder is a chain of dependent decisions. Only the files whose loops run per vertex are compiled for speed,
 # and inlining is limited there too. The linker is called directly, since clang would run the wasm-opt that it finds
 # with options of its own.
-# Usage: build_wasm.sh OUTPUT_DIRECTORY
+# Usage: [NMC_WASM_FLAGS=-msimd128] build_wasm.sh OUTPUT_DIRECTORY
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 out=$1
@@ -21,7 +21,7 @@ for source in "$root"/decoder/wasm/*.cpp "$root"/libnmc/common/*.cpp "$root"/lib
     *) options="-Oz" ;;
   esac
   # shellcheck disable=SC2086  # the options are meant to be split
-  clang++ --target=wasm32-wasi -std=c++20 $options -mbulk-memory -fno-unroll-loops -fno-exceptions \
+  clang++ --target=wasm32-wasi -std=c++20 $options ${NMC_WASM_FLAGS:-} -mbulk-memory -fno-unroll-loops -fno-exceptions \
     -fno-rtti -ffp-contract=off -fno-fast-math -ffunction-sections -fdata-sections -fvisibility=hidden -DNDEBUG \
     -I"$root" -c "$source" -o "$objects/$name.o" &
 done
@@ -30,7 +30,7 @@ wasm-ld -m wasm32 --no-entry --gc-sections --strip-all -z stack-size=131072 "$ob
   -L"$(dirname "$(clang++ --target=wasm32-wasi -print-file-name=libc.a)")" -lc++ -lc++abi -lc "$(clang++ --target=wasm32-wasi -print-libgcc-file-name)" \
   -o "$objects/linked.wasm"
 if command -v wasm-opt >/dev/null 2>&1; then
-  wasm-opt -Oz --enable-bulk-memory --enable-mutable-globals --enable-sign-ext --enable-nontrapping-float-to-int \
+  wasm-opt -Oz --enable-bulk-memory --enable-mutable-globals --enable-sign-ext --enable-simd --enable-nontrapping-float-to-int \
     "$objects/linked.wasm" -o "$out/nmc_decoder.wasm"
 else
   echo "wasm-opt (Debian package binaryen) is missing: the module works and is 4 % larger" >&2
