@@ -21,6 +21,10 @@
 
 namespace nmc {
 
+namespace attribute_internal {
+class StepScale;
+}
+
 class CodedAttribute {
  public:
   explicit CodedAttribute(Memory* memory = nullptr) : values_(memory), deviations_(memory), model_(memory) {}
@@ -64,8 +68,8 @@ class CodedAttribute {
   void interpolate(const AttributeDescriptor& descriptor, const AttributeLevel& parameters,
                    const LevelTopology& coarse, std::uint32_t edge, Neighbourhood& around) const;
   void look_around(const AttributeDescriptor& descriptor, const AttributeLevel& parameters,
-                   const LevelTopology& coarse, std::uint32_t edge, Neighbourhood& around,
-                   AttributeContexts& contexts) const;
+                   const attribute_internal::StepScale& scale, const LevelTopology& coarse,
+                   std::uint32_t edge, Neighbourhood& around, AttributeContexts& contexts) const;
   Status begin_level(int level, const AttributeDescriptor& descriptor, std::size_t vertex_count);
   void end_level(int level);
   void reset_to(int level) {
@@ -94,10 +98,20 @@ namespace attribute_internal {
 /// 64 / n, rounded down.
 inline constexpr std::int32_t kInverse[5] = {0, 64, 32, 21, 16};
 
-/// floor(x / step) up to the rounding of the reciprocal, which is part of the format (spec 10.5.1).
-inline std::int32_t in_steps(std::int32_t x, std::int32_t step) {
-  return static_cast<std::int32_t>((static_cast<std::int64_t>(x) * (65536 / step)) >> 16);
-}
+/// Divides by the steps of a level, up to the rounding of their reciprocals, which is part of the format
+/// (spec 10.5.1).
+class StepScale {
+ public:
+  StepScale(const AttributeLevel& level, int component_count) {
+    for (int c = 0; c < component_count; ++c) reciprocal_[c] = 65536 / level.step[c];
+  }
+  std::int32_t in_steps(std::int32_t x, int component) const {
+    return static_cast<std::int32_t>((static_cast<std::int64_t>(x) * reciprocal_[component]) >> 16);
+  }
+
+ private:
+  std::int32_t reciprocal_[kMaximumComponentCount] = {};
+};
 
 }  // namespace attribute_internal
 
@@ -126,9 +140,10 @@ inline void CodedAttribute::interpolate(const AttributeDescriptor& descriptor,
 }
 
 inline void CodedAttribute::look_around(const AttributeDescriptor& descriptor,
-                                        const AttributeLevel& parameters, const LevelTopology& coarse,
-                                        std::uint32_t edge, Neighbourhood& around,
-                                        AttributeContexts& contexts) const {
+                                        const AttributeLevel& parameters,
+                                        const attribute_internal::StepScale& scale,
+                                        const LevelTopology& coarse, std::uint32_t edge,
+                                        Neighbourhood& around, AttributeContexts& contexts) const {
   using namespace attribute_internal;
   using coefficient_internal::energy_class;
   using coefficient_internal::magnitude_of;
@@ -149,21 +164,21 @@ inline void CodedAttribute::look_around(const AttributeDescriptor& descriptor,
   const std::int16_t* b = values_.data() + std::size_t{coarse.edge_vertices[2 * edge + 1]} * count;
   for (int c = 0; c < count; ++c) {
     AttributeContexts::Component& component = contexts.component[c];
-    const std::int32_t step = parameters.step[c];
     std::int32_t sum = 0, magnitudes = 0;
     for (int i = 0; i < near_count; ++i) {
       const std::int32_t deviation = deviations_[std::size_t{near[i]} * count + c];
       sum += deviation;
       magnitudes += magnitude_of(deviation);
     }
-    component.near = near_count ? energy_class(in_steps((magnitudes * kInverse[near_count]) >> 2, step)) : 11;
+    component.near =
+        near_count ? energy_class(scale.in_steps((magnitudes * kInverse[near_count]) >> 2, c)) : 11;
     component.near_sign = sign_of(sum);
-    component.gradient = energy_class(in_steps(4 * magnitude_of(a[c] - b[c]), step));
+    component.gradient = energy_class(scale.in_steps(4 * magnitude_of(a[c] - b[c]), c));
     if (around.opposite_count) {
       const std::int16_t* o0 = values_.data() + std::size_t{around.opposite[0]} * count;
       const std::int16_t* o1 = values_.data() + std::size_t{around.opposite[1]} * count;
       const std::int32_t bend = (o0[c] + o1[c]) - (a[c] + b[c]);
-      component.curvature = energy_class(in_steps(2 * magnitude_of(bend), step));
+      component.curvature = energy_class(scale.in_steps(2 * magnitude_of(bend), c));
       component.curvature_sign = sign_of(bend);
     } else {
       component.curvature = 11;
@@ -205,6 +220,7 @@ Status CodedAttribute::code_base(Coder& coder, const AttributeDescriptor& descri
 
   const AttributeLevel& parameters = descriptor.levels[0];
   const int count = descriptor.component_count;
+  const StepScale scale(parameters, count);
   AttributeModel& model = model_[0];
   AttributeContexts contexts;
   std::int32_t prediction[kMaximumComponentCount], corrections[kMaximumComponentCount];
@@ -216,7 +232,6 @@ Status CodedAttribute::code_base(Coder& coder, const AttributeDescriptor& descri
     const std::uint32_t neighbour_count = first[v + 1] - first[v];
     contexts.near_count = neighbour_count < 4 ? static_cast<int>(neighbour_count) : 4;
     for (int c = 0; c < count; ++c) {
-      const std::int32_t step = parameters.step[c];
       std::int32_t sum = 0, least = 1 << 15, largest = -(1 << 15);
       for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) {
         const std::int32_t value = values_[std::size_t{lower[i]} * count + c];
@@ -225,8 +240,8 @@ Status CodedAttribute::code_base(Coder& coder, const AttributeDescriptor& descri
         largest = value > largest ? value : largest;
       }
       AttributeContexts::Component& component = contexts.component[c];
-      component.near = energy_class(in_steps(running[c], step));
-      component.gradient = neighbour_count ? energy_class(in_steps(4 * (largest - least), step)) : 0;
+      component.near = energy_class(scale.in_steps(running[c], c));
+      component.gradient = neighbour_count ? energy_class(scale.in_steps(4 * (largest - least), c)) : 0;
       component.curvature = neighbour_count ? 0 : 11;
       if (neighbour_count) {
         const auto n = static_cast<std::int32_t>(neighbour_count);
@@ -257,6 +272,7 @@ Status CodedAttribute::code_level(Coder& coder, const AttributeDescriptor& descr
   NMC_TRY(begin_level(level, descriptor, std::size_t{coarse.vertex_count} + coarse.edge_count));
   if (!deviations_.resize(std::size_t{coarse.edge_count} * count)) return no_memory();
   const AttributeLevel& parameters = descriptor.levels[level];
+  const attribute_internal::StepScale scale(parameters, count);
   AttributeModel& model = model_[0];
   AttributeContexts contexts;
   contexts.level_class = level < 7 ? level : 7;
@@ -266,7 +282,7 @@ Status CodedAttribute::code_level(Coder& coder, const AttributeDescriptor& descr
       if ((edge & 8191u) == 0) NMC_TRY(coder.check());
     }
     interpolate(descriptor, parameters, coarse, edge, around);
-    look_around(descriptor, parameters, coarse, edge, around, contexts);
+    look_around(descriptor, parameters, scale, coarse, edge, around, contexts);
     std::int32_t corrections[kMaximumComponentCount] = {};
     const std::uint32_t vertex = coarse.vertex_count + edge;
     if constexpr (!Coder::kDecodes) choose(vertex, around.prediction, contexts, model, corrections);
