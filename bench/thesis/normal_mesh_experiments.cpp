@@ -123,7 +123,7 @@ void run_levels(const Settings& settings) {
       {"igea", [&] { return on_sphere("igea", load_mesh(settings, "igea.ply"), icosahedron, 5); }},
       {"zone_sphere", [&] { return on_sphere("zone sphere", zone_sphere(7), icosahedron, 6); }},
       {"bimba_tetrahedron", [&] {
-         return on_sphere("bimba, tetrahedron base", load_mesh(settings, "bimba.off"), tetrahedron, 6);
+         return on_sphere("bimba over a tetrahedron", load_mesh(settings, "bimba.off"), tetrahedron, 6);
        }}};
   Table table({"model", "level", "vertices", "INM %", "VNM %", "VVM %", "remesh %", "fit %", "volume INM %",
                "volume VNM %", "volume VVM %", "volume remesh %", "volume fit %"});
