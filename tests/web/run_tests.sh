@@ -19,7 +19,7 @@ done
 
 install() {
   [ "$1/node_modules/.package-lock.json" -nt "$1/package-lock.json" ] ||
-    (cd "$1" && npm ci --no-audit --no-fund --loglevel=error)
+    (cd "$1" && npm install --no-save --no-audit --no-fund --loglevel=error)
 }
 install "$root/decoder/js"
 (cd "$root/decoder/js" && node build.mjs)
