@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "libnmc/common/context_mixing.h"
 #include "libnmc/include/nmc/nmc.h"
 
 #define NMC_EXPORT(name) extern "C" __attribute__((export_name(#name)))
@@ -23,6 +24,7 @@ NMC_EXPORT(release) void nmc_wasm_release(void* pointer) { std::free(pointer); }
 /// Null when the limits leave no room for a decoder.
 NMC_EXPORT(create) nmc_decoder* nmc_wasm_create(double max_memory, double max_vertices, double max_base_vertices,
                                                 double max_levels) {
+  nmc::fill_mixing_tables();
   nmc_limits limits = nmc_default_limits();
   if (max_memory > 0) limits.max_memory = static_cast<std::uint64_t>(max_memory);
   if (max_vertices > 0) limits.max_vertices = static_cast<std::uint64_t>(max_vertices);

@@ -4,10 +4,9 @@
 namespace nmc {
 
 void AttributeModel::reset() {
-  open_ = {};
+  forget_all_bits(*this);
   for (MixerWeights& weights : open_.mixer) weights.reset(5);
   for (ComponentStates& states : components_) {
-    states = {};
     for (MixerWeights& weights : states.zero_mixer) weights.reset(5);
     states.sign_mixer.reset(3);
     for (MixerWeights& weights : states.more_mixer) weights.reset(4);

@@ -73,7 +73,7 @@ class AttributeModel {
 
   OpenStates open_;
   ComponentStates components_[kMaximumComponentCount];
-  std::uint32_t history_ = 0;  // whether the last vertices were open, newest in bit 0
+  std::uint32_t history_;  // whether the last vertices were open, newest in bit 0
 };
 
 // ---- implementation ----

@@ -91,8 +91,8 @@ class BaseMeshModel {
   NumberModel near_distance_;
 
   AdaptiveBit length_[3][40], top_bit_[40], sign_[3][3];
-  std::uint32_t parallelogram_share_ = 3;  // in quarters, 0 ... 7
-  std::uint64_t last_spread_ = 0;
+  std::uint32_t parallelogram_share_;  // in quarters, 0 ... 7
+  std::uint64_t last_spread_;
   AdaptiveBit crease_[4];
   NumberModel correction_;
   AdaptiveBit correction_sign_;

@@ -10,13 +10,10 @@ void CoefficientModel::reset() {
 }
 
 void CoefficientModel::reset_untrained() {
+  forget_all_bits(*this);
   for (int layer = 0; layer < 2; ++layer) {
-    significance_[layer] = {};
-    sign_[layer] = {};
-    magnitude_[layer] = {};
     for (auto& kinds : significance_[layer].mixer)
       for (MixerWeights& weights : kinds) weights.reset(7);
-    half_blocks_[layer] = inner_blocks_[layer] = {};
     for (MixerWeights& weights : half_blocks_[layer].mixer) weights.reset(4);
     for (MixerWeights& weights : inner_blocks_[layer].mixer) weights.reset(4);
     for (MixerWeights& weights : sign_[layer].mixer) weights.reset(6);

@@ -168,9 +168,8 @@ class CoefficientModel {
   SignStates sign_[2];
   MagnitudeStates magnitude_[2];
   BlockStates half_blocks_[2], inner_blocks_[2];  // [1]: there is a previous layer
-  std::uint32_t last_half_blocks_ = 0,
-                last_inner_blocks_ = 0;  // whether the last blocks were open, newest in bit 0
-  std::int32_t run_ = 16;                // running mean of the magnitudes in 1/16
+  std::uint32_t last_half_blocks_, last_inner_blocks_;  // whether the last blocks were open, newest in bit 0
+  std::int32_t run_;                                    // running mean of the magnitudes in 1/16
 
   // Tangential list: gaps between entries, and the two components.
   NumberModel tangential_count_[2];

@@ -10,7 +10,10 @@
 #ifndef NMC_COMMON_CONTEXT_MIXING_H_
 #define NMC_COMMON_CONTEXT_MIXING_H_
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <type_traits>
 
 namespace nmc {
 
@@ -28,14 +31,12 @@ struct CountTable {
   CountEffect of[kLargestCountLimit + 1];
 };
 
-inline constexpr CountTable kCountTable = [] {
-  CountTable table{};
+constexpr void fill(CountTable& table) {
   for (std::uint32_t n = 0; n <= kLargestCountLimit; ++n) {
     table.of[n] = {static_cast<std::uint16_t>(131072u / (2 * n + 3)),
                    static_cast<std::uint16_t>(65536u * n / (n + 2))};
   }
-  return table;
-}();
+}
 
 // 65536 / (1 + exp(-x)) at x = -8, -7.75, ..., 8, rounded (spec table B.1).
 inline constexpr std::uint16_t kSquash[65] = {
@@ -45,13 +46,12 @@ inline constexpr std::uint16_t kSquash[65] = {
     55834, 57724, 59287, 60565, 61598, 62428, 63090, 63615, 64030, 64357, 64614, 64816, 64974,
     65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489, 65500, 65508, 65514};
 
+/// Inverts squash: value[p >> 4] is the smallest x with squash(x) >= p.
 struct StretchTable {
   std::int16_t value[4096];
 };
 
-/// Inverts squash: value[p >> 4] is the smallest x with squash(x) >= p.
-inline constexpr StretchTable kStretch = [] {
-  StretchTable table{};
+constexpr void fill(StretchTable& table) {
   int filled = 0;
   for (int x = -2047; x <= 2047; ++x) {
     const int position = x + 2048, cell = position >> 6, within = position & 63;
@@ -60,18 +60,44 @@ inline constexpr StretchTable kStretch = [] {
     while (filled <= p && filled < 4096) table.value[filled++] = static_cast<std::int16_t>(x);
   }
   while (filled < 4096) table.value[filled++] = 2047;
+}
+
+#if defined(NMC_TABLES_MADE_AT_START)
+// The WebAssembly module of decoder/wasm is loaded over a network and belongs to one thread: it does not ship
+// these nine kilobytes but has them made by fill_mixing_tables() before its first decoder.
+inline CountTable kCountTable;
+inline StretchTable kStretch;
+#else
+template <class Table>
+constexpr Table filled_table() {
+  Table table{};
+  fill(table);
   return table;
-}();
+}
+inline constexpr CountTable kCountTable = filled_table<CountTable>();
+inline constexpr StretchTable kStretch = filled_table<StretchTable>();
+#endif
 
 // Keeps the weighted sum far from overflow whatever bits come.
 inline constexpr std::int32_t kLargestWeight = 1 << 22;
 
 }  // namespace mixing_internal
 
+#if defined(NMC_TABLES_MADE_AT_START)
+/// To be called before the first decision.
+inline void fill_mixing_tables() {
+  mixing_internal::fill(mixing_internal::kCountTable);
+  mixing_internal::fill(mixing_internal::kStretch);
+}
+#endif
+
 /// Probability of a one, learned from the bits seen: 22 bits of probability, 10 bits of count.
 /// The step is 1 / (count + 1.5) until the count reaches its limit.
 struct AdaptiveBit {
-  std::uint32_t state = 1u << 31;
+  /// Even odds, and nothing seen.
+  static constexpr std::uint32_t kUntrained = 1u << 31;
+
+  std::uint32_t state;
 
   std::uint32_t probability_16() const { return state >> 16; }
   std::uint32_t count() const { return state & 1023u; }
@@ -98,6 +124,18 @@ constexpr std::uint32_t squash(int x) {
   if (x < -2047) x = -2047;
   const int position = x + 2048, cell = position >> 6, within = position & 63;
   return static_cast<std::uint32_t>((kSquash[cell] * (64 - within) + kSquash[cell + 1] * within) >> 6);
+}
+
+/// Sets every adaptive bit of `model`, an object of 32-bit words, to one that has seen nothing, and every
+/// other word to the same: the model sets its mixers and counters afterwards. One loop instead of one per
+/// table.
+template <class Model>
+void forget_all_bits(Model& model) {
+  static_assert(std::is_trivially_copyable_v<Model> && sizeof(Model) % sizeof(std::uint32_t) == 0);
+  auto* const bytes = reinterpret_cast<unsigned char*>(&model);
+  for (std::size_t i = 0; i < sizeof(Model); i += sizeof(std::uint32_t)) {
+    std::memcpy(bytes + i, &AdaptiveBit::kUntrained, sizeof(std::uint32_t));
+  }
 }
 
 /// Number of adaptive bits that one mixer joins at most; one more input is a constant.

@@ -11,6 +11,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "libnmc/common/seldom.h"
+
 namespace nmc {
 
 /// A budget of bytes over a pair of allocation functions. Not thread-safe: one per decoder.
@@ -64,12 +66,6 @@ class Memory {
 // The part of an array that is the same for all types, and seldom run: not to be repeated wherever one is
 // used.
 namespace memory_internal {
-
-#if defined(__GNUC__)
-#define NMC_SELDOM [[gnu::noinline]] [[gnu::cold]]
-#else
-#define NMC_SELDOM
-#endif
 
 NMC_SELDOM inline void release(Memory* memory, void* data, std::size_t size) {
   if (memory)

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "libnmc/common/seldom.h"
+
 namespace nmc {
 
 enum class StatusCode : std::int32_t {
@@ -33,8 +35,10 @@ struct [[nodiscard]] Status {
 };
 
 inline Status ok_status() { return {}; }
-inline Status corrupt(const char* section, const char* message) { return {StatusCode::kCorrupt, section, message}; }
-inline Status no_memory() { return {StatusCode::kNoMemory, nullptr, "memory exhausted"}; }
+NMC_SELDOM inline Status corrupt(const char* section, const char* message) {
+  return {StatusCode::kCorrupt, section, message};
+}
+NMC_SELDOM inline Status no_memory() { return {StatusCode::kNoMemory, nullptr, "memory exhausted"}; }
 
 }  // namespace nmc
 

@@ -7,37 +7,50 @@ namespace nmc {
 
 namespace {
 
+/// The ends of the edge opposite to the corner `slot` = 3 * face + corner, directed as in the face.
 struct DirectedEdge {
-  std::uint32_t low, high;  // end points in increasing order
-  std::uint32_t slot;       // 3 * face + corner
+  DirectedEdge(const Array<std::uint32_t>& corners, std::uint32_t slot)
+      : start(corners[slot - slot % 3 + (slot + 1) % 3]), end(corners[slot - slot % 3 + (slot + 2) % 3]) {}
+  std::uint32_t low() const { return std::min(start, end); }
+  std::uint32_t high() const { return std::max(start, end); }
+
+  std::uint32_t start, end;
 };
 
 /// Numbers the edges of level 0 by first visit and finds the face on their other side.
 NMC_SELDOM Status number_base_edges(LevelTopology& topology, Memory* memory) {
   const std::uint32_t slot_count = 3 * topology.face_count;
-  Array<DirectedEdge> sorted(memory);
-  if (!sorted.resize(slot_count)) return no_memory();
   const Array<std::uint32_t>& corners = topology.face_vertices;
-  for (std::uint32_t slot = 0; slot < slot_count; ++slot) {
-    const std::uint32_t face = slot / 3, k = slot % 3;
-    const std::uint32_t a = corners[3 * face + (k + 1) % 3], b = corners[3 * face + (k + 2) % 3];
-    sorted[slot] = {std::min(a, b), std::max(a, b), slot};
+  // Slots in order of the lower end of their edge, then of the higher one, then of the slot: two passes of a
+  // sort by counting, which keeps the order of equals. `begin[v]` is where the next slot of v goes.
+  Array<std::uint32_t> begin(memory), unsorted(memory), sorted(memory);
+  if (!unsorted.resize(slot_count) || !sorted.resize(slot_count)) return no_memory();
+  for (std::uint32_t slot = 0; slot < slot_count; ++slot) sorted[slot] = slot;
+  for (const bool by_low : {false, true}) {
+    const auto key = [&](std::uint32_t slot) {
+      const DirectedEdge edge(corners, slot);
+      return by_low ? edge.low() : edge.high();
+    };
+    unsorted.swap(sorted);
+    if (!begin.assign(std::size_t{topology.vertex_count} + 1, 0)) return no_memory();
+    for (const std::uint32_t slot : unsorted) ++begin[key(slot) + 1];
+    for (std::uint32_t v = 0; v < topology.vertex_count; ++v) begin[v + 1] += begin[v];
+    for (const std::uint32_t slot : unsorted) sorted[begin[key(slot)]++] = slot;
   }
-  std::sort(sorted.begin(), sorted.end(), [](const DirectedEdge& s, const DirectedEdge& t) {
-    if (s.low != t.low) return s.low < t.low;
-    if (s.high != t.high) return s.high < t.high;
-    return s.slot < t.slot;
-  });
   Array<std::uint32_t> partner(memory);  // the slot of the same edge in the other face
   if (!partner.assign(slot_count, kNone)) return no_memory();
   for (std::uint32_t i = 0; i < slot_count;) {
     std::uint32_t end = i + 1;
-    while (end < slot_count && sorted[end].low == sorted[i].low && sorted[end].high == sorted[i].high) ++end;
+    const DirectedEdge edge(corners, sorted[i]);
+    const auto is_same = [&](const DirectedEdge& other) {
+      return other.low() == edge.low() && other.high() == edge.high();
+    };
+    while (end < slot_count && is_same(DirectedEdge(corners, sorted[end]))) ++end;
     NMC_CHECK_STREAM(end - i <= 2, "4.4", "an edge of the base mesh has more than two faces");
     if (end - i == 2) {
-      const std::uint32_t s = sorted[i].slot, t = sorted[i + 1].slot;
-      NMC_CHECK_STREAM(corners[3 * (s / 3) + (s % 3 + 1) % 3] != corners[3 * (t / 3) + (t % 3 + 1) % 3],
-                       "4.4", "two faces of the base mesh disagree in orientation");
+      const std::uint32_t s = sorted[i], t = sorted[i + 1];
+      NMC_CHECK_STREAM(edge.start != DirectedEdge(corners, t).start, "4.4",
+                       "two faces of the base mesh disagree in orientation");
       partner[s] = t;
       partner[t] = s;
     }
@@ -49,12 +62,12 @@ NMC_SELDOM Status number_base_edges(LevelTopology& topology, Memory* memory) {
   std::uint32_t edge_count = 0;
   for (std::uint32_t slot = 0; slot < slot_count; ++slot) {
     if (topology.face_edges[slot] != kNone) continue;
-    const std::uint32_t face = slot / 3, k = slot % 3, other = partner[slot];
+    const std::uint32_t other = partner[slot];
+    const DirectedEdge edge(corners, slot);
     topology.face_edges[slot] = edge_count;
     if (other != kNone) topology.face_edges[other] = edge_count;
-    if (!topology.edge_vertices.push_back(corners[3 * face + (k + 1) % 3]) ||
-        !topology.edge_vertices.push_back(corners[3 * face + (k + 2) % 3]) ||
-        !topology.edge_faces.push_back(face) ||
+    if (!topology.edge_vertices.push_back(edge.start) || !topology.edge_vertices.push_back(edge.end) ||
+        !topology.edge_faces.push_back(slot / 3) ||
         !topology.edge_faces.push_back(other == kNone ? kNone : other / 3)) {
       return no_memory();
     }

@@ -5,18 +5,17 @@ namespace nmc {
 
 namespace {
 
-struct LetterProbabilities {
-  std::uint32_t of[128];  // the state of a letter
-};
-
-constexpr LetterProbabilities kLetterProbabilities = [] {
-  LetterProbabilities table{};
+/// The place of a letter in the alphabet: ASCII from '!' on, without the quotation mark, the digits, the
+/// backslash and the backquote.
+constexpr int letter_index(char letter) {
+  return letter - '!' - (letter > '"') - (letter > '9' ? 10 : 0) - (letter > '\\') - (letter > '`');
+}
+static_assert([] {
   for (int i = 0; i <= 2 * kLargestLetter; ++i) {
-    const std::uint32_t probability_16 = squash(kLetterScale * (i - kLargestLetter));
-    table.of[static_cast<unsigned char>(kTrainedAlphabet[i])] = (probability_16 << 16) | kTrainedCount;
+    if (letter_index(kTrainedAlphabet[i]) != i) return false;
   }
-  return table;
-}();
+  return true;
+}());
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -28,9 +27,10 @@ void TrainedStateReader::read(AdaptiveBit& state) {
   }
   if (untrained_ > 0) {
     --untrained_;
-    state = AdaptiveBit{};
+    state.state = AdaptiveBit::kUntrained;
   } else {
-    state.state = kLetterProbabilities.of[static_cast<unsigned char>(*at_++)];
+    const std::uint32_t probability_16 = squash(kLetterScale * (letter_index(*at_++) - kLargestLetter));
+    state.state = (probability_16 << 16) | kTrainedCount;
   }
 }
 

@@ -90,11 +90,13 @@ TEST_CASE("number model: all lengths come back, at the ends of the range too", "
   {
     RangeEncoder encoder(bytes);
     NumberModel model;
+    forget_all_bits(model);
     for (const std::uint32_t n : numbers) REQUIRE(model.code(encoder, n) == n);
     encoder.finish();
   }
   RangeDecoder decoder(bytes.data(), bytes.size());
   NumberModel model;
+  forget_all_bits(model);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     INFO("number " << i);
     REQUIRE(model.code(decoder, 0u) == numbers[i]);
@@ -103,7 +105,7 @@ TEST_CASE("number model: all lengths come back, at the ends of the range too", "
 
 TEST_CASE("adaptive bits: the state stays a probability after any history", "[range]") {
   for (const std::uint32_t limit : {1u, 120u, 250u, kLargestCountLimit}) {
-    AdaptiveBit always, never;
+    AdaptiveBit always{AdaptiveBit::kUntrained}, never = always;
     for (int i = 0; i < 20000; ++i) {
       always.update(1, limit);
       never.update(0, limit);
@@ -129,6 +131,8 @@ TEST_CASE("logistic mixing: squash and stretch are inverse and monotonous", "[ra
 TEST_CASE("logistic mixing: what is mixed learns the better of its inputs", "[range]") {
   test::RandomIntegers random(5);
   AdaptiveBit informed[2], blind;
+  forget_all_bits(informed);
+  forget_all_bits(blind);
   MixerWeights weights;
   weights.reset(2);
   BitCounter mixed, alone;
