@@ -172,11 +172,8 @@ MeasuredError Candidate::measured_error(const Trial& trial) const {
   return measure(reconstruct(trial.mesh, hierarchy(), level), level, 0);
 }
 
-std::size_t Candidate::repair(double tolerance, int maximum_rounds, const StreamDescription& description,
+std::size_t Candidate::repair(const MaximumRepairOptions& repair, const StreamDescription& description,
                               const TrialOptions& options, Trial& trial) const {
-  MaximumRepairOptions repair;
-  repair.tolerance = tolerance;
-  repair.maximum_rounds = maximum_rounds;
   const MaximumRepairResult result = repair_maximum(*state_->reference->index, hierarchy(), repair, trial.mesh);
   assess(description, options, trial);
   return result.initial_beyond;

@@ -13,6 +13,7 @@
 #include "encoder/fit/global_fit.h"
 #include "encoder/fit/quantize.h"
 #include "encoder/normal_mesh/interpolating_normal_mesh.h"
+#include "encoder/pipeline/maximum_repair.h"
 #include "encoder/pipeline/serialize.h"
 
 namespace nmc {
@@ -90,7 +91,7 @@ class Candidate {
 
   /// Brings the places of `trial` that are farther than `tolerance` from the input within it where a few integers
   /// can (maximum_repair.h), and measures it again. Returns the places that were beyond before.
-  std::size_t repair(double tolerance, int maximum_rounds, const StreamDescription& description,
+  std::size_t repair(const MaximumRepairOptions& repair, const StreamDescription& description,
                      const TrialOptions& options, Trial& trial) const;
 
   /// The error of a trial's mesh by the final measurement.

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "encoder/core/parallel.h"
+#include "encoder/measure/area_samples.h"
 #include "libnmc/common/local_frame.h"
 
 namespace nmc {
@@ -14,6 +16,9 @@ namespace {
 
 /// Places are brought a little inside the tolerance, so that rounding does not push them out again.
 constexpr double kMargin = 0.9;
+/// The first rounds bring the tips back; later ones settle the contradictions between neighbours.
+constexpr int kFirstDampedRound = 2;
+constexpr double kDamping = 0.7;
 
 /// Wishes of the places beyond the tolerance: vertex of the mesh -> where it should move. Of several wishes the
 /// longest counts. Ordered, so the result does not depend on threads.
@@ -24,49 +29,94 @@ void wish(std::uint32_t vertex, const Vec3& move, Wishes& wishes) {
   if (!is_new && squared_norm(move) > squared_norm(at->second)) at->second = move;
 }
 
+/// The shortest joint move of the face's odd corners that brings its point at `barycentric` along by `move`,
+/// no corner going farther than `largest_factor` times the move. Where odd corners have no hold on the point
+/// the nearest corner moves.
+void wish_at(const Triangle& face, const double (&barycentric)[3], const Vec3& move, std::uint32_t even_count,
+             double largest_factor, Wishes& wishes) {
+  double squares = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (face[k] >= even_count) squares += barycentric[k] * barycentric[k];
+  if (squares > 0.04) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (face[k] >= even_count && barycentric[k] > 0.05)
+        wish(face[k], std::min(barycentric[k] / squares, largest_factor) * move, wishes);
+  } else {
+    const auto nearest =
+        static_cast<std::size_t>(std::max_element(barycentric, barycentric + 3) - barycentric);
+    wish(face[nearest], move, wishes);
+  }
+}
+
+/// A point of the mesh and where it should go.
+struct Place {
+  SurfacePoint at;
+  Vec3 move;
+};
+
 std::size_t collect_wishes(const SurfaceIndex& input, const std::vector<Vec3>& positions,
-                           const std::vector<Triangle>& faces, std::uint32_t even_count, double tolerance,
-                           Wishes& wishes) {
+                           const std::vector<Triangle>& faces, std::uint32_t even_count,
+                           const MaximumRepairOptions& options, Wishes& wishes) {
+  const double tolerance = options.tolerance;
   const SurfaceIndex surface(positions, faces);
+  const double near = kMargin * tolerance;
+  std::vector<Place> places;
+  std::size_t beyond = 0;
+  const auto keep_found = [&](const std::vector<Place>& found) {
+    for (const Place& place : found) {
+      if (!place.at.found()) continue;
+      beyond += norm(place.move) > tolerance;
+      places.push_back(place);
+    }
+  };
+  const auto of_input = [&](const Vec3& point) {
+    Place place;
+    if (surface.is_within(point, near)) return place;
+    place.at = surface.closest_point(point);
+    place.move = point - place.at.position;
+    return place;
+  };
+
   std::vector<std::uint8_t> used(input.positions().size());
   for (const Triangle& t : input.triangles())
     for (const std::uint32_t v : t) used[v] = 1;
-  std::vector<SurfacePoint> from_input(used.size()), from_mesh(positions.size());
-  const double near = kMargin * tolerance;
-  parallel_for(used.size(), [&](std::size_t v) {
-    if (used[v] && !surface.is_within(input.positions()[v], near))
-      from_input[v] = surface.closest_point(input.positions()[v]);
+  std::vector<Place> found(used.size());
+  parallel_for(found.size(), [&](std::size_t v) {
+    if (used[v]) found[v] = of_input(input.positions()[v]);
   });
-  parallel_for(positions.size(), [&](std::size_t v) {
-    if (!input.is_within(positions[v], near)) from_mesh[v] = input.closest_point(positions[v]);
-  });
+  keep_found(found);
 
-  std::size_t beyond = 0;
-  for (std::size_t v = 0; v < used.size(); ++v) {
-    const SurfacePoint& at = from_input[v];
-    if (!at.found() || at.t <= near) continue;
-    beyond += at.t > tolerance;
-    // The shortest joint move of the odd corners that brings the point of the face to the place.
-    const Vec3 move = input.positions()[v] - at.position;
-    const Triangle& face = faces[at.triangle];
-    double squares = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      if (face[k] >= even_count) squares += at.barycentric[k] * at.barycentric[k];
-    if (squares > 0.04) {
-      for (std::size_t k = 0; k < 3; ++k)
-        if (face[k] >= even_count && at.barycentric[k] > 0.05)
-          wish(face[k], (at.barycentric[k] / squares) * move, wishes);
-    } else {
-      const auto nearest = static_cast<std::size_t>(std::max_element(at.barycentric, at.barycentric + 3) -
-                                                    at.barycentric);
-      wish(face[nearest], move, wishes);
-    }
-  }
-  for (std::size_t v = 0; v < positions.size(); ++v) {
-    const SurfacePoint& at = from_mesh[v];
-    if (!at.found() || at.t <= near) continue;
-    beyond += at.t > tolerance;
-    wish(static_cast<std::uint32_t>(v), at.position - positions[v], wishes);
+  // Vertices alone would miss what lies between them: large triangles of the input, and the sides of a spike.
+  const AreaSamples input_points(input.positions(), input.triangles(), options.sample_count);
+  found.assign(input_points.size(), {});
+  parallel_for(found.size(), [&](std::size_t i) { found[i] = of_input(input_points[i].position); });
+  keep_found(found);
+
+  const AreaSamples mesh_points(positions, faces, options.sample_count);
+  found.assign(mesh_points.size(), {});
+  parallel_for(found.size(), [&](std::size_t i) {
+    const AreaSample sample = mesh_points[i];
+    if (input.is_within(sample.position, near)) return;
+    Place& place = found[i];
+    place.at.triangle = sample.triangle;
+    std::copy_n(sample.barycentric, 3, place.at.barycentric);
+    place.move = input.closest_point(sample.position).position - sample.position;
+  });
+  keep_found(found);
+
+  const double largest_factor = options.sample_count > 0 ? 1 : std::numeric_limits<double>::infinity();
+  for (const Place& place : places)
+    wish_at(faces[place.at.triangle], place.at.barycentric, place.move, even_count, largest_factor, wishes);
+
+  std::vector<Vec3> moves(positions.size());
+  parallel_for(positions.size(), [&](std::size_t v) {
+    if (!input.is_within(positions[v], near))
+      moves[v] = input.closest_point(positions[v]).position - positions[v];
+  });
+  for (std::uint32_t v = 0; v < moves.size(); ++v) {
+    if (moves[v] == Vec3{}) continue;
+    beyond += norm(moves[v]) > tolerance;
+    wish(v, moves[v], wishes);
   }
   return beyond;
 }
@@ -132,19 +182,25 @@ MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionH
   const int finest = hierarchy.level_count();
   const std::vector<Triangle> faces = level_triangles(hierarchy.level(finest));
   const std::uint32_t even_count = finest > 0 ? hierarchy.level(finest - 1).vertex_count : 0;
+  const std::size_t considered = hierarchy.level(finest).vertex_count + 2 * options.sample_count;
   QuantizedMesh best = mesh;
+  int best_round = 0;
   for (; result.rounds < options.maximum_rounds; ++result.rounds) {
     const std::vector<Vec3> positions = reconstruct(mesh, hierarchy, finest);
     Wishes wishes;
-    const std::size_t beyond = collect_wishes(input, positions, faces, even_count, options.tolerance, wishes);
+    const std::size_t beyond = collect_wishes(input, positions, faces, even_count, options, wishes);
     if (result.rounds == 0) {
       result.initial_beyond = result.final_beyond = beyond;
     } else if (beyond < result.final_beyond) {
       result.final_beyond = beyond;
+      best_round = result.rounds;
       best = mesh;
     }
-    if (beyond == 0) break;
-    if (static_cast<double>(beyond) > options.largest_share * static_cast<double>(positions.size())) break;
+    if (beyond == 0 || result.rounds - best_round >= options.patience) break;
+    if (static_cast<double>(beyond) > options.largest_share * static_cast<double>(considered)) break;
+    if (options.sample_count > 0 && result.rounds >= kFirstDampedRound) {
+      for (auto& [vertex, move] : wishes) move *= kDamping;
+    }
     grant(wishes, hierarchy, positions, options.tolerance, mesh);
   }
   mesh = std::move(best);

@@ -18,8 +18,13 @@ namespace nmc {
 struct MaximumRepairOptions {
   double tolerance = 0;      // in units of the mesh
   int maximum_rounds = 8;
-  /// More places than this share of the vertices are no spikes: nothing is done.
+  /// Rounds without progress after which the rest are left out.
+  int patience = 6;
+  /// More places than this share of the vertices and points are no spikes: nothing is done.
   double largest_share = 0.01;
+  /// Area-uniform points of each surface that count beside the vertices: with the number that the measurement takes
+  /// they are its own points. Several of them may pull at one vertex, so moves are damped then. 0: vertices alone.
+  std::size_t sample_count = 0;
 };
 
 /// Vertices of `input` (those its triangles use) and of the mesh that are farther than `tolerance` from the other
@@ -28,13 +33,15 @@ std::size_t count_beyond(const SurfaceIndex& input, const std::vector<Vec3>& pos
                          const std::vector<Triangle>& faces, double tolerance);
 
 struct MaximumRepairResult {
-  std::size_t initial_beyond = 0, final_beyond = 0;  // input and mesh vertices farther than the tolerance
+  std::size_t initial_beyond = 0,
+              final_beyond = 0;  // vertices and samples of both farther than the tolerance
   int rounds = 0;
 };
 
-/// Changes the integers of `mesh`, whose finest level is the last of `hierarchy`, until no vertex of `input` (those
-/// its triangles use) and no vertex of the mesh is farther than the tolerance from the other surface, or the rounds
-/// are over. The best round is kept. One closest-point query per vertex and round; parallel, deterministic.
+/// Changes the integers of `mesh`, whose finest level is the last of `hierarchy`, until no vertex of `input`
+/// (those its triangles use), no vertex of the mesh and none of 200,000 area-uniform points of each is
+/// farther than the tolerance from the other surface, or the rounds are over. The best round is kept. One
+/// query per vertex, point and round; parallel, deterministic.
 MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionHierarchy& hierarchy,
                                    const MaximumRepairOptions& options, QuantizedMesh& mesh);
 

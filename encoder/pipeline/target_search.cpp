@@ -23,7 +23,12 @@ Trial try_step(Candidate& candidate, const Target& target, const StreamDescripti
                const TrialOptions& options) {
   Trial trial = candidate.quantize(step, description, options);
   if (target.kind == TargetKind::kMaximumError) {
-    if (target_ratio(target, trial) > 1) candidate.repair(target.value, 8, description, options, trial);
+    if (target_ratio(target, trial) <= 1) return trial;
+    MaximumRepairOptions repair;
+    repair.tolerance = target.value;
+    repair.maximum_rounds = 24;
+    repair.sample_count = 200000;  // the number that the final measurement takes at least
+    candidate.repair(repair, description, options, trial);
     return trial;
   }
   // A lost tip of a limb weighs as much in the mean as all the rest, and takes a few integers to bring back. Distances
@@ -32,7 +37,10 @@ Trial try_step(Candidate& candidate, const Target& target, const StreamDescripti
   const double spike = kSpike * (target.kind == TargetKind::kSize ? trial.error.rms : target.value);
   if (trial.error.maximum <= 1.3 * spike) return trial;
   Trial repaired = trial;
-  candidate.repair(spike, 4, description, options, repaired);
+  MaximumRepairOptions repair;
+  repair.tolerance = spike;
+  repair.maximum_rounds = 4;
+  candidate.repair(repair, description, options, repaired);
   const double rms_gain = std::log(trial.error.rms / repaired.error.rms);
   const double size_loss = std::log(static_cast<double>(repaired.byte_count) / static_cast<double>(trial.byte_count));
   // Along the usual curve, bytes go with the error to the power of -1 or so; spikes count a little by themselves.
