@@ -5,69 +5,16 @@
 //     simplification (gltfpack -si, quadrics) and bits per coordinate that reaches the error
 //   node bench/web/bytes_and_speed.mjs --speed STREAM       decoding: native, WebAssembly, Draco's WebAssembly, in one run
 // Programs by environment: NMC_ENCODE, NMC_DECODE, NMC_COMPARE. Install tests/web, viewer and decoder/js first.
-import { mkdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
+import { mkdirSync, readFileSync, statSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { basename, extname, join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
 import { decode, NmcDecoder } from '../../decoder/js/nmc-decoder.mjs';
 import { program, root, run, temporaryFolder, writeDracoGlb, writeMeshoptGlb } from '../../tests/web/harness.mjs';
+import { readScan, simplifyGlb, writePlainGlb } from '../../tests/web/meshes.mjs';
 
-const require = createRequire(join(root, 'viewer/package.json'));
-const fromViewer = (name) => import(pathToFileURL(require.resolve(name)).href);
 const folder = temporaryFolder();
-
-/** Positions and triangles of a PLY or OBJ file. */
-async function readScan(path) {
-  const bytes = readFileSync(path);
-  if (extname(path) === '.ply') {
-    const { PLYLoader } = await fromViewer('three/addons/loaders/PLYLoader.js');
-    const geometry = new PLYLoader().parse(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
-    return { positions: geometry.attributes.position.array, indices: Uint32Array.from(geometry.index.array) };
-  }
-  const positions = [];
-  const indices = [];
-  for (const line of bytes.toString('latin1').split('\n')) {
-    const words = line.trim().split(/\s+/);
-    if (words[0] === 'v') positions.push(...words.slice(1, 4).map(Number));
-    if (words[0] !== 'f') continue;
-    const corners = words.slice(1).map((word) => Number.parseInt(word, 10) - 1);
-    for (let k = 2; k < corners.length; ++k) indices.push(corners[0], corners[k - 1], corners[k]);
-  }
-  return { positions: Float32Array.from(positions), indices: Uint32Array.from(indices) };
-}
-
-/** The smallest GLB there is: positions in single precision and indices. */
-function writePlainGlb(path, { positions, indices }) {
-  const min = [Infinity, Infinity, Infinity];
-  const max = [-Infinity, -Infinity, -Infinity];
-  positions.forEach((x, i) => {
-    min[i % 3] = Math.min(min[i % 3], x);
-    max[i % 3] = Math.max(max[i % 3], x);
-  });
-  const json = Buffer.from(JSON.stringify({
-    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }],
-    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, indices: 1 }] }],
-    accessors: [{ bufferView: 0, componentType: 5126, count: positions.length / 3, type: 'VEC3', min, max },
-      { bufferView: 1, componentType: 5125, count: indices.length, type: 'SCALAR' }],
-    bufferViews: [{ buffer: 0, byteLength: positions.byteLength },
-      { buffer: 0, byteOffset: positions.byteLength, byteLength: indices.byteLength }],
-    buffers: [{ byteLength: positions.byteLength + indices.byteLength }],
-  }));
-  const text = Buffer.concat([json, Buffer.alloc((4 - (json.length % 4)) % 4, ' ')]);
-  const head = Buffer.alloc(20);
-  const size = positions.byteLength + indices.byteLength;
-  head.write('glTF');
-  head.writeUInt32LE(2, 4);
-  head.writeUInt32LE(28 + text.length + size, 8);
-  head.writeUInt32LE(text.length, 12);
-  head.write('JSON', 16);
-  const binaryHead = Buffer.alloc(8);
-  binaryHead.writeUInt32LE(size);
-  binaryHead.write('BIN\0', 4, 'latin1');
-  writeFileSync(path, Buffer.concat([head, text, binaryHead, Buffer.from(positions.buffer, positions.byteOffset, positions.byteLength),
-    Buffer.from(indices.buffer)]));
-}
 
 const LIMITS = [1, 0.1, 0.02];
 const SHARES = (process.env.NMC_SHARES ?? '1 0.3 0.1 0.03 0.01 0.004').split(' ').map(Number);
@@ -93,7 +40,7 @@ async function bytesTable(scans) {
     writePlainGlb(at('.glb'), await readScan(scan));
     for (const share of SHARES) {
       // Without quantization and compression first, so that the error is that of the simplification.
-      run(process.execPath, [join(root, 'tests/web/node_modules/gltfpack/cli.js'), '-i', at('.glb'), '-o', at('.s.glb'), '-noq', '-si', String(share)]);
+      simplifyGlb(at('.glb'), at('.s.glb'), share);
       const error = errorOf(scan, at('.s.glb'));
       keep('plain', statSync(at('.s.glb')).size, error);
       for (const bits of [10, 12, 14]) {

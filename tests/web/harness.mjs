@@ -132,6 +132,24 @@ export function startBrowser() {
   });
 }
 
+/**
+ * Traces the tasks of a page's main thread. `stop()` gives their number and the longest in milliseconds of processor
+ * time: unlike time on the wall it does not count what other programs took meanwhile.
+ */
+export async function traceMainThread(browser, page) {
+  await browser.startTracing(page, { categories: ['toplevel', 'disabled-by-default-devtools.timeline'] });
+  return {
+    stop: async () => {
+      const { traceEvents } = JSON.parse((await browser.stopTracing()).toString('utf8'));
+      const mains = new Set(traceEvents.filter(({ name, args }) => name === 'thread_name' && args.name === 'CrRendererMain')
+        .map(({ pid, tid }) => `${pid}/${tid}`));
+      const tasks = traceEvents.filter(({ name, ph, pid, tid }) =>
+        ph === 'X' && /RunTask$/.test(name) && mains.has(`${pid}/${tid}`));
+      return { count: tasks.length, longest: Math.max(0, ...tasks.map(({ tdur }) => (tdur ?? 0) / 1000)) };
+    },
+  };
+}
+
 /** Bytes that the browser's page processes hold, by the kernel's account. */
 export function rendererMemory() {
   let bytes = 0;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page: what is dropped, typed or clicked, and what is said about it. Query: src, compare, original, rate (kbit/s).
+// The page: what is dropped, typed or clicked, and what is said about it. Query: src, compare, original, rate (kbit/s),
+// smooth (edges, also where the processor draws).
 import { NMCLoader } from 'nmc-decoder/three';
 import { piecesOf } from 'nmc-decoder';
 
@@ -10,14 +11,13 @@ import { ReceivedBytes, throttled, throttledFetch } from './throttle.js';
 import { View } from './view.js';
 
 const $ = (id) => document.getElementById(id);
-const stage = new Stage($('canvas'));
+const query = new URLSearchParams(location.search);
+const stage = new Stage($('canvas'), { wantsSmoothEdges: query.has('smooth') });
 const loader = new NMCLoader().setRenderer(stage.renderer).setWorkerLimit(2)
   .setOptions({ keepDecoder: true, uploadBytesPerFrame: 1 << 20 }).preload();
 const view = new View(stage, showLegend);
 const chart = new Chart($('chart'), (index) => pick(index));
-let queriedRate = null;  // a rate that the list does not have
-const rate = () => queriedRate ?? Number($('network').value);
-$('network').addEventListener('change', () => { queriedRate = null; });
+const rate = () => Number($('network').value);
 
 /** What is shown: the live stream, and a prefix of it while the sliders are not at their ends. */
 let session = null;
@@ -96,9 +96,10 @@ async function show(name, open) {
     geometry.addEventListener('complete', () => { if (fresh === session) completed(); });
     geometry.addEventListener('error', ({ error }) => { if (fresh === session) failed(error); });
     view.show(geometry);
-    stage.fit(geometry, geometry.header.up);
     $('panel').hidden = false;
     document.body.classList.add('loaded');
+    clearPanel();
+    stage.fit(geometry, geometry.header.up);
     $('bytes').max = String(geometry.header.streamBytes);
     $('level').max = String(geometry.layers.at(-1).level);
     chart.set({ layers: geometry.layers, diagonal: geometry.header.diagonal, shown: 0, received: 0 });
@@ -195,8 +196,25 @@ $('level').addEventListener('input', ({ target }) => pick(lastRow((row) => row.l
 
 // ---- the right pane and the original ----
 
+/** The panel covers the bottom of a small or split screen, and else the left side: the surface goes beside it. */
+function clearPanel() {
+  const panel = $('panel').getBoundingClientRect();
+  const isBelow = panel.width > 0.6 * innerWidth;
+  stage.setInsets({
+    left: isBelow ? 0 : panel.right, bottom: isBelow && panel.height > 0 ? innerHeight - panel.top : 0,
+  });
+}
+new ResizeObserver(clearPanel).observe($('panel'));
+addEventListener('resize', clearPanel);
+
+function setSplit(isSplit) {
+  stage.isSplit = isSplit;
+  document.body.classList.toggle('split', isSplit);
+  clearPanel();
+}
+
 async function compare(name, pieces) {
-  stage.isSplit = true;
+  setSplit(true);
   for (const id of ['divider', 'label-left', 'label-right']) $(id).hidden = false;
   const label = $('label-right');
   stage.right.userData.root?.removeFromParent();
@@ -352,7 +370,7 @@ $('again').addEventListener('click', () => {
 $('home').addEventListener('click', () => {
   ++sequence;
   close();
-  stage.isSplit = false;
+  setSplit(false);
   for (const id of ['divider', 'label-left', 'label-right', 'panel', 'message']) $(id).hidden = true;
   $('drop').hidden = false;
   $('name').textContent = 'nmc viewer';
@@ -405,10 +423,11 @@ async function compareUrl(url) {
 
 await stage.warmUp();
 record('ready');
-const query = new URLSearchParams(location.search);
-if (query.get('rate')) {
-  queriedRate = Number(query.get('rate')) || 0;
-  $('network').value = query.get('rate');
+const queriedRate = Number(query.get('rate'));
+if (queriedRate > 0) {
+  const choices = [...$('network').options].map(({ value }) => value);
+  if (!choices.includes(String(queriedRate))) $('network').add(new Option(`${queriedRate} kbit/s`, String(queriedRate)));
+  $('network').value = String(queriedRate);
 }
 if (query.get('src')) showUrl(query.get('src'));
 else listSamples();

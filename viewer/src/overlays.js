@@ -91,7 +91,7 @@ export function coloursOf(count, table, share) {
   return new BufferAttribute(bytes, 4, true);
 }
 
-/** By the level at which a vertex came: coarse ones bright. */
+/** By the level at which a vertex came: coarse ones dark. */
 export function levelColours(geometry) {
   const count = geometry.attributes.position.count;
   const last = Math.max(1, geometry.layer.level);
@@ -103,7 +103,7 @@ export function levelColours(geometry) {
   return coloursOf(count, RAMPS.levels, (v) => {
     if (v === 0) level = 0;
     while (level < last && v >= bounds[level]) ++level;
-    return 1 - level / last;
+    return level / last;
   });
 }
 

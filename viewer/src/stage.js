@@ -7,16 +7,26 @@ import {
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { enableMorph } from 'nmc-decoder/three';
 
+/** Whether WebGL is drawn by the processor here: smoothing edges makes it three times slower then. */
+function isDrawnBySoftware() {
+  const probe = document.createElement('canvas').getContext('webgl2', { failIfMajorPerformanceCaveat: true });
+  probe?.getExtension('WEBGL_lose_context')?.loseContext();
+  return !probe;
+}
+
 export class Stage {
   #canvas;
   #camera = new PerspectiveCamera(38, 1, 0.01, 100);
+  #insets = { left: 0, bottom: 0 };
   #isDirty = true;
   #frame = 0;
   #listeners = new Set();
 
-  constructor(canvas) {
+  constructor(canvas, { wantsSmoothEdges = false } = {}) {
     this.#canvas = canvas;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
+    this.isSoftware = isDrawnBySoftware();
+    document.body.classList.toggle('software', this.isSoftware);
+    this.renderer = new WebGLRenderer({ canvas, antialias: wantsSmoothEdges || !this.isSoftware, alpha: true, powerPreference: 'high-performance' });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.renderer.autoClear = false;
     this.left = this.#newScene();
@@ -77,11 +87,25 @@ export class Stage {
     this.invalidate();
   }
 
+  /** Pixels of the page that something else covers. */
+  setInsets(insets) {
+    this.#insets = insets;
+    this.invalidate();
+  }
+  /** The part of a pane that nothing covers. */
+  #free() {
+    const { clientWidth, clientHeight } = this.#canvas;
+    const { left, bottom } = this.#insets;
+    const width = this.isSplit ? clientWidth / 2 : clientWidth - left;
+    return { width: Math.max(width, 100), height: Math.max(clientHeight - bottom, 100) };
+  }
+
   /** Looks at a geometry of known bounds from the front. */
   fit(geometry, up = '') {
     const { center, radius } = geometry.boundingSphere;
-    const narrow = Math.min(1, (this.#canvas.clientWidth / (this.isSplit ? 2 : 1)) / this.#canvas.clientHeight);
-    const distance = (1.08 * radius) / Math.sin((this.#camera.fov * Math.PI) / 360) / narrow;
+    const { width, height } = this.#free();
+    const share = Math.min(width, height) / this.#canvas.clientHeight;
+    const distance = (1.02 * radius) / Math.sin((this.#camera.fov * Math.PI) / 360) / share;
     const upward = up === 'z' ? new Vector3(0, 0, 1) : new Vector3(0, 1, 0);
     const from = up === 'z' ? new Vector3(0.35, -1, 0.22) : new Vector3(0.35, 0.22, 1);
     this.#camera.up.copy(upward);
@@ -117,7 +141,8 @@ export class Stage {
     const panes = this.isSplit ? [[this.left, 0], [this.right, 1]] : [[this.left, 0]];
     const paneWidth = width / panes.length;
     camera.aspect = paneWidth / height;
-    camera.updateProjectionMatrix();
+    const { left, bottom } = this.#insets;
+    camera.setViewOffset(paneWidth, height, this.isSplit ? 0 : -left / 2, bottom / 2, paneWidth, height);
     renderer.setScissorTest(false);
     renderer.clear();
     renderer.setScissorTest(true);
