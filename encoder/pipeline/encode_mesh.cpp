@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -81,6 +82,8 @@ constexpr std::size_t kLargestBase = 60000;
 constexpr double kGeometryShare = 0.5;
 /// Share of the asked error that the fit may leave before quantization.
 constexpr double kLargestFloor = 0.75;
+/// A level is worth its work where it brings the fit's error to this share at least; smooth surfaces reach a quarter.
+constexpr double kHelpfulLevel = 0.7;
 /// With more of it a rival is not even tried.
 constexpr double kHopelessFloor = 0.97;
 
@@ -230,6 +233,11 @@ class MeshEncoder {
   /// Bounds memory: 0.5 kB per vertex of the finest level.
   double largest_vertex_count() const { return 24 * static_cast<double>(surface_.vertex_count()) + 500000; }
 
+  /// A small input gets as many levels as it likes only where time does not matter.
+  double worthwhile_vertex_count() const {
+    return options_.effort >= 7 ? largest_vertex_count() : 16 * static_cast<double>(surface_.vertex_count()) + 30000;
+  }
+
   int level_count_for(int base_size) const {
     if (options_.level_count) return *options_.level_count;
     if (base_size >= static_cast<int>(surface_.vertex_count())) return 1;
@@ -261,6 +269,7 @@ class MeshEncoder {
     CandidateOptions candidate;
     candidate.coded_level_count = level_count_for(base_sizes_[base_index]);
     candidate.tension = tension_;
+    double coarser_rms = std::numeric_limits<double>::infinity();
     for (;;) {
       clock_.start("normal mesh and fit");
       outcome.candidate.reset();
@@ -272,7 +281,11 @@ class MeshEncoder {
                               outcome.candidate->statistics().fit.final_rms > kLargestFloor * options_.target.value;
       const double next_size = base_sizes_[base_index] * std::pow(4.0, candidate.coded_level_count + 1);
       const bool enough = best_.met && candidate.coded_level_count >= best_.candidate->coded_level_count();
-      if (!too_coarse || enough || options_.level_count || next_size > largest_vertex_count()) break;
+      // Along a crease that no base edge follows levels help little: there more base vertices do.
+      const double fit_rms = outcome.candidate->statistics().fit.final_rms;
+      const bool no_help = fit_rms > kHelpfulLevel * coarser_rms;
+      if (!too_coarse || enough || no_help || options_.level_count || next_size > worthwhile_vertex_count()) break;
+      coarser_rms = fit_rms;
       ++candidate.coded_level_count;
     }
     const bool hopeless = best_.met && options_.target.kind == TargetKind::kRmsError &&
