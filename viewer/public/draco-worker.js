@@ -5,7 +5,8 @@ importScripts('./draco/draco_wasm_wrapper.js');
 
 let ready = null;
 const decoderModule = () => {
-  ready ??= DracoDecoderModule({ locateFile: (file) => new URL('./draco/' + file, location.href).href });
+  // The wrapper asks for a name that depends on its version; three.js ships the module under this one.
+  ready ??= DracoDecoderModule({ locateFile: () => new URL('./draco/draco_decoder.wasm', location.href).href });
   return ready;
 };
 
