@@ -20,9 +20,7 @@ void draw(const Settings& settings, const Model& model, int first, const Vec3& f
   const SurfaceIndex index(model.surface->surface());
   const InterpolatingOptions options = thesis_options(model.level_count, ApertureRule::kParametric);
   const InterpolatingResult inm = interpolate(*model.surface, index, model.base, options);
-  VariationalOptions variational;
-  variational.interpolating = options;
-  variational.fit_base = false;  // S^0 = R^0, as in Fig. 3.6
+  const VariationalOptions variational = thesis_options(options);
   const VariationalResult vnm = variational_normal_mesh(*model.surface, index, model.base, variational);
 
   constexpr int kSize = 170, kTextHeight = 14;

@@ -95,9 +95,7 @@ void run_table_3_1(const Settings& settings) {
               .relative_rms();
       add("INM", count(inm.levels), inm_error, 0, inm_seconds, inm.positions.size(), p.inm_error,
           p.inm_seconds, p.inm_non_normal);
-      VariationalOptions variational;
-      variational.interpolating = options;
-      variational.fit_base = false;  // S^0 = R^0, as in Fig. 3.6
+      const VariationalOptions variational = thesis_options(options);
       const Stopwatch vnm_clock;
       const VariationalResult vnm = variational_normal_mesh(*model.surface, index, model.base, variational);
       const double vnm_seconds = vnm_clock.cpu_seconds();
@@ -134,9 +132,7 @@ void run_levels(const Settings& settings) {
     const SurfaceIndex input_index(*model.input);
     InterpolatingOptions options = thesis_options(model.level_count, ApertureRule::kParametric);
     const InterpolatingResult inm = interpolate(*model.surface, index, model.base, options);
-    VariationalOptions variational;
-    variational.interpolating = options;
-    variational.fit_base = false;  // S^0 = R^0, as in Fig. 3.6
+    const VariationalOptions variational = thesis_options(options);
     const VariationalResult vnm = variational_normal_mesh(*model.surface, index, model.base, variational);
     const SubdivisionHierarchy& hierarchy = inm.mesh.hierarchy;
     const std::vector<std::vector<Vec3>> vvm =
@@ -182,9 +178,7 @@ void run_zone_sphere(const Settings& settings) {
   const SurfaceIndex index(model.surface->surface());
   const InterpolatingOptions options = thesis_options(model.level_count, ApertureRule::kParametric);
   const InterpolatingResult inm = interpolate(*model.surface, index, model.base, options);
-  VariationalOptions variational;
-  variational.interpolating = options;
-  variational.fit_base = false;  // S^0 = R^0, as in Fig. 3.6
+  const VariationalOptions variational = thesis_options(options);
   const VariationalResult vnm = variational_normal_mesh(*model.surface, index, model.base, variational);
   // The radius along the equator, where the local frequency grows from 0 to 16 pi waves per turn: the share
   // of the displacement's energy in windows of longitude. What a level cannot resolve should be zero, not

@@ -87,6 +87,13 @@ InterpolatingOptions thesis_options(int level_count, ApertureRule rule) {
   return options;
 }
 
+VariationalOptions thesis_options(const InterpolatingOptions& interpolating) {
+  VariationalOptions options;
+  options.interpolating = interpolating;
+  options.fit_base = false;
+  return options;
+}
+
 TriangleMesh fitted(const Model& model, const SurfaceIndex& index, InterpolatingOptions options, int level) {
   options.level_count = level;
   InterpolatingResult inm = interpolate(*model.surface, index, model.base, options);

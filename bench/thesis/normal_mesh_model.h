@@ -10,6 +10,7 @@
 #include "encoder/domain/parameterize.h"
 #include "encoder/measure/compare_meshes.h"
 #include "encoder/normal_mesh/interpolating_normal_mesh.h"
+#include "encoder/normal_mesh/variational_normal_mesh.h"
 #include "encoder/sphere/sphere_base.h"
 #include "encoder/sphere/sphere_parameterization.h"
 #include "encoder/sphere/sphere_surface.h"
@@ -46,6 +47,9 @@ CompareResult compared(const Model& model, const SurfaceIndex& index, const Tria
 
 /// kParametric is the thesis's setting: aperture 0.2 on all levels, midpoint prediction of parameters.
 InterpolatingOptions thesis_options(int level_count, ApertureRule rule);
+
+/// The variational mesh of Fig. 3.6 over the same prediction and apertures: S^0 = R^0.
+VariationalOptions thesis_options(const InterpolatingOptions& interpolating);
 
 /// Level `level` of a normal mesh with one scalar per vertex, chosen for that level by the global fit.
 /// `index` holds the model's surface.

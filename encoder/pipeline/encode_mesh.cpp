@@ -50,22 +50,6 @@ class StageClock {
   std::chrono::steady_clock::time_point begin_;
 };
 
-/// The part of the input that can be measured against: every finite triangle, as it was read.
-TriangleMesh measurable_part(const TriangleMesh& input) {
-  TriangleMesh mesh;
-  mesh.positions = input.positions;
-  for (const Triangle& t : input.triangles) {
-    const bool usable = std::all_of(t.begin(), t.end(), [&](std::uint32_t v) {
-      return v < input.vertex_count() && is_finite(input.positions[v]);
-    });
-    if (usable) mesh.triangles.push_back(t);
-  }
-  for (Vec3& p : mesh.positions) {
-    if (!is_finite(p)) p = {};  // not named by any triangle that is left
-  }
-  return mesh;
-}
-
 /// How hard to look for the best base size, by effort.
 struct SearchPlan {
   int extra_candidates;
@@ -508,6 +492,21 @@ class MeshEncoder {
 };
 
 }  // namespace
+
+TriangleMesh measurable_part(const TriangleMesh& input) {
+  TriangleMesh mesh;
+  mesh.positions = input.positions;
+  for (const Triangle& t : input.triangles) {
+    const bool usable = std::all_of(t.begin(), t.end(), [&](std::uint32_t v) {
+      return v < input.vertex_count() && is_finite(input.positions[v]);
+    });
+    if (usable) mesh.triangles.push_back(t);
+  }
+  for (Vec3& p : mesh.positions) {
+    if (!is_finite(p)) p = {};  // not named by any triangle that is left
+  }
+  return mesh;
+}
 
 BoundingBox measurable_box(const TriangleMesh& input) { return bounding_box(measurable_part(input)); }
 

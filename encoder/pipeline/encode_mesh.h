@@ -44,6 +44,9 @@ struct EncodeResult {
   std::vector<Attempt> attempts;
 };
 
+/// The part of the input that can be measured against: every finite triangle, as it was read; positions only.
+TriangleMesh measurable_part(const TriangleMesh& input);
+
 /// The box that errors are relative to: of the triangles whose corners are all finite. All zero without any.
 BoundingBox measurable_box(const TriangleMesh& input);
 

@@ -33,15 +33,14 @@ std::size_t count_beyond(const SurfaceIndex& input, const std::vector<Vec3>& pos
                          const std::vector<Triangle>& faces, double tolerance);
 
 struct MaximumRepairResult {
-  std::size_t initial_beyond = 0,
-              final_beyond = 0;  // vertices and samples of both farther than the tolerance
+  std::size_t initial_beyond = 0, final_beyond = 0;  // vertices and points of both beyond the tolerance
   int rounds = 0;
 };
 
 /// Changes the integers of `mesh`, whose finest level is the last of `hierarchy`, until no vertex of `input`
-/// (those its triangles use), no vertex of the mesh and none of 200,000 area-uniform points of each is
-/// farther than the tolerance from the other surface, or the rounds are over. The best round is kept. One
-/// query per vertex, point and round; parallel, deterministic.
+/// (those its triangles use), no vertex of the mesh and none of the points of either is farther
+/// than the tolerance from the other surface, or the rounds are over. The best round is kept. One query per
+/// vertex, point and round; parallel, deterministic.
 MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionHierarchy& hierarchy,
                                    const MaximumRepairOptions& options, QuantizedMesh& mesh);
 

@@ -249,6 +249,20 @@ Bytes stream_with(HeaderFields header, const std::vector<Bytes>& chunks) {
   return bytes;
 }
 
+/// The base mesh chunk of a good stream of two levels.
+Bytes tetrahedron_base_chunk() {
+  Header header;
+  header.base_vertex_count = header.base_face_count = 4;
+  header.level_count = 2;
+  header.step_code[0] = header.step_code[1] = 64;
+  header.tangential_code = 64;
+  StreamWriter writer(header);
+  Array<std::uint32_t> order;
+  const std::int32_t corners[12] = {0, 0, 0, 9, 0, 0, 0, 9, 0, 0, 0, 9};
+  require(writer.add_base(tetrahedron().faces[0].data(), corners, nullptr, order));
+  return Bytes(writer.chunks().begin(), writer.chunks().end());
+}
+
 void add_chunk_vectors(VectorWriter& writer) {
   const GeneratedStream good = generate(recipe_of(tetrahedron(), 2));
   const auto changed = [&](std::size_t position, std::uint8_t bits) {
@@ -301,16 +315,7 @@ void add_chunk_vectors(VectorWriter& writer) {
                     stream_with(header, {chunk(1, {1, 2, 3, 4})}));
 
   // The base mesh chunk of a good stream, twice; levels out of order.
-  Header plain;
-  plain.base_vertex_count = plain.base_face_count = 4;
-  plain.level_count = 2;
-  plain.step_code[0] = plain.step_code[1] = 64;
-  plain.tangential_code = 64;
-  StreamWriter once(plain);
-  Array<std::uint32_t> order;
-  const std::int32_t corners[12] = {0, 0, 0, 9, 0, 0, 0, 9, 0, 0, 0, 9};
-  require(once.add_base(tetrahedron().faces[0].data(), corners, nullptr, order));
-  const Bytes base(once.chunks().begin(), once.chunks().end());
+  const Bytes base = tetrahedron_base_chunk();
   header = HeaderFields();
   writer.add_broken("base-twice", "two base mesh chunks", NMC_ERR_CORRUPT, stream_with(header, {base, base}));
   writer.add_broken("level-skipped", "level 1 before level 0", NMC_ERR_CORRUPT,
@@ -386,16 +391,7 @@ void add_attribute_vectors(VectorWriter& writer) {
 
   HeaderFields header;
   header.flags = 2;
-  Header plain;
-  plain.base_vertex_count = plain.base_face_count = 4;
-  plain.level_count = 2;
-  plain.step_code[0] = plain.step_code[1] = 64;
-  plain.tangential_code = 64;
-  StreamWriter once(plain);
-  Array<std::uint32_t> order;
-  const std::int32_t corners[12] = {0, 0, 0, 9, 0, 0, 0, 9, 0, 0, 0, 9};
-  require(once.add_base(tetrahedron().faces[0].data(), corners, nullptr, order));
-  const Bytes base(once.chunks().begin(), once.chunks().end());
+  const Bytes base = tetrahedron_base_chunk();
   const auto values = [](std::uint8_t attribute, std::uint8_t first, std::uint8_t count) {
     Bytes payload = {attribute, first, count};
     for (int i = 0; i < 60; ++i) payload.push_back(static_cast<std::uint8_t>(37 * i));
