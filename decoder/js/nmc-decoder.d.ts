@@ -147,7 +147,9 @@ export class NmcStream extends EventTarget implements AsyncIterable<NmcLayer & {
   mesh(options?: NmcMeshOptions): NmcMesh;
   stateHash(): string;
   positionHash(): string;
+  /** Holds before the next layer; ends the request of a URL where the server knows Range. */
   pause(): void;
+  /** Goes on, with the rest of the file. */
   resume(): void;
   run(): Promise<NmcLayer>;
   dispose(): void;

@@ -327,25 +327,64 @@ const bodyOf = (response) => {
   return response.body;
 };
 
+/** Whether a reader wants bytes. It is shut while there is any reason to. */
+export class Valve {
+  #reasons = new Set();
+  #opened = null;
+  #wake = null;
+  /** Told when it shuts. */
+  onShut = null;
+
+  get isShut() { return this.#reasons.size > 0; }
+  shut(reason) {
+    if (!this.isShut) this.#opened = new Promise((resolve) => { this.#wake = resolve; });
+    this.#reasons.add(reason);
+    this.onShut?.();
+  }
+  /** Takes one reason back, or all. */
+  open(reason) {
+    if (reason === undefined) this.#reasons.clear();
+    else this.#reasons.delete(reason);
+    if (!this.isShut) this.#wake?.();
+  }
+  /** Resolves as soon as it is open. */
+  async pass() { while (this.isShut) await this.#opened; }
+}
+
 /**
  * Pieces of a URL. When the connection breaks the rest is asked for with Range, up to `retries` times in a row with a
  * growing delay; a server without Range sends all again, and what is known is skipped. `wanted()` is the size of the
  * whole once it is known: a body that ends before it counts as broken.
+ *
+ * While `valve` is shut nothing is read. That alone would not stop the network: browser and system take some megabytes
+ * more. So a request of which the server has said that it knows Range is ended, and the rest is asked for afterwards.
  */
-async function* piecesOfUrl(url, options, signal, wanted) {
+async function* piecesOfUrl(url, options, signal, wanted, valve) {
   const { retries = 6, retryDelay = 400, requestInit = {} } = options;
   let received = 0;
   let hasAnswered = false;
+  let knowsRange = false;
   let tag = null;
   for (let failures = 0; ; ++failures) {
     let problem = null;
+    await valve.pass();
+    signal.throwIfAborted();
+    const request = new AbortController();
+    const end = () => request.abort(signal.reason);
+    signal.addEventListener('abort', end, { once: true });
+    let isHeld = false;
+    valve.onShut = () => {
+      if (received > 0 && !knowsRange) return;
+      isHeld = true;
+      request.abort();
+    };
     try {
       const headers = new Headers(requestInit.headers);
       if (received > 0) {
         headers.set('Range', `bytes=${received}-`);
         if (tag && !tag.startsWith('W/')) headers.set('If-Range', tag);
       }
-      const response = await (options.fetch ?? fetch)(url, { ...requestInit, headers, signal });
+      const response = await (options.fetch ?? fetch)(url, { ...requestInit, headers, signal: request.signal });
       if (received > 0 && response.status === 416) return;
       if (received > 0 && response.status >= 500) throw new Error(`HTTP ${response.status}`);
       const body = bodyOf(response);
@@ -355,18 +394,27 @@ async function* piecesOfUrl(url, options, signal, wanted) {
       }
       tag = newTag;
       hasAnswered = true;
+      knowsRange = response.status === 206 || response.headers.get('accept-ranges') === 'bytes';
       let position = response.status === 206 ? received : 0;
-      for await (const piece of piecesOfBody(body, signal)) {
+      for await (const piece of piecesOfBody(body, request.signal)) {
         const fresh = piece.subarray(Math.min(piece.length, received - position));
         position += piece.length;
         received += fresh.length;
         failures = 0;
         if (fresh.length > 0) yield fresh;
+        await valve.pass();
       }
       if (received >= (wanted() ?? 0)) return;
     } catch (error) {
       if (error instanceof NmcError || signal.aborted) throw error;
       problem = error;
+    } finally {
+      signal.removeEventListener('abort', end);
+      valve.onShut = null;
+    }
+    if (isHeld) {
+      --failures;
+      continue;
     }
     if (!hasAnswered || failures >= retries) {
       if (!problem) return;
@@ -379,11 +427,11 @@ async function* piecesOfUrl(url, options, signal, wanted) {
 }
 
 /**
- * Pieces of any source, as Uint8Array, until `signal` fires; see piecesOfUrl() for `wanted`. For those who feed a decoder
- * elsewhere.
+ * Pieces of any source, as Uint8Array, until `signal` fires; see piecesOfUrl() for `wanted` and `valve`. For those who
+ * feed a decoder elsewhere.
  */
-export function piecesOf(source, options, signal, wanted) {
-  if (typeof source === 'string' || source instanceof URL) return piecesOfUrl(source, options, signal, wanted);
+export function piecesOf(source, options, signal, wanted, valve = new Valve()) {
+  if (typeof source === 'string' || source instanceof URL) return piecesOfUrl(source, options, signal, wanted, valve);
   if (typeof Response === 'function' && source instanceof Response) source = bodyOf(source);
   if (typeof source?.getReader === 'function') return piecesOfBody(source, signal);
   if (source instanceof ArrayBuffer || ArrayBuffer.isView(source)) source = [source];
@@ -406,7 +454,8 @@ export class NmcStream extends EventTarget {
     try {
       options.signal?.addEventListener('abort', () => stream.#abort.abort(options.signal.reason), { once: true });
       if (options.signal?.aborted) stream.#abort.abort(options.signal.reason);
-      stream.#pieces = piecesOf(source, options, stream.#abort.signal, () => stream.header?.streamBytes);
+      stream.#pieces = piecesOf(source, options, stream.#abort.signal, () => stream.header?.streamBytes,
+        stream.#valve);
       stream.#hasFirst = await stream.#advance();
     } catch (error) {
       stream.dispose();
@@ -423,8 +472,7 @@ export class NmcStream extends EventTarget {
   #hasFirst = false;
   #row = Infinity;
   #isDone = false;
-  #isPaused = false;
-  #resume = null;
+  #valve = new Valve();
 
   /** @private use NmcStream.open() */
   constructor(decoder, options) {
@@ -448,13 +496,12 @@ export class NmcStream extends EventTarget {
   stateHash() { return this.#decoder.stateHash(); }
   positionHash() { return this.#decoder.positionHash(); }
 
-  /** Holds the stream before its next layer; the network waits too, and resumes with Range if it gave up. */
-  pause() { this.#isPaused = true; }
-  resume() {
-    this.#isPaused = false;
-    this.#resume?.();
-    this.#resume = null;
-  }
+  /**
+   * Holds the stream before its next layer. A request of a URL is ended where the server knows Range, and resume() asks
+   * for the rest; other sources are not read meanwhile.
+   */
+  pause() { this.#valve.shut('pause'); }
+  resume() { this.#valve.open('pause'); }
 
   /** Yields each layer; the first one is there already. Throws NmcError; what was read before stands. */
   async *[Symbol.asyncIterator]() {
@@ -481,7 +528,7 @@ export class NmcStream extends EventTarget {
   dispose() {
     this.#abort.abort(new NmcError('NMC_ERR_STATE', 'the stream was disposed of'));
     this.#isDone = true;
-    this.resume();
+    this.#valve.open();
     this.#decoder.dispose();
   }
 
@@ -493,7 +540,7 @@ export class NmcStream extends EventTarget {
   /** True with the next layer in place, false at the end. */
   async #advance() {
     while (!this.#isDone) {
-      if (this.#isPaused) await new Promise((resolve) => { this.#resume = resolve; });
+      await this.#valve.pass();
       this.#abort.signal.throwIfAborted();
       const event = this.#decoder.next();
       if (event === 'header') this.#row = lastRow(this.#decoder, this.#options);

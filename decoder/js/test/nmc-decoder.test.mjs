@@ -2,6 +2,7 @@
 // The package under node: the conformance vectors, streaming, limits and errors.
 import assert from 'node:assert/strict';
 import { existsSync, readdirSync, readFileSync } from 'node:fs';
+import { createServer } from 'node:http';
 import { dirname, join } from 'node:path';
 import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
@@ -165,6 +166,31 @@ function brokenServer(bytes, { cut, ranges = true, tag = () => '"1"' }) {
   return { fetch, requests };
 }
 
+const sleep = (milliseconds) => new Promise((resolve) => { setTimeout(resolve, milliseconds); });
+async function until(condition, what) {
+  for (let i = 0; i < 500; ++i, await sleep(10)) if (condition()) return;
+  assert.fail(`waited in vain for ${what}`);
+}
+
+/** A real server on the loopback that sends 40 bytes every few milliseconds. */
+async function slowServer(bytes, ranges) {
+  const requests = [];
+  const server = createServer(async ({ headers }, response) => {
+    const from = Number(/bytes=(\d+)-/.exec(headers.range ?? '')?.[1] ?? 0);
+    const request = { from, isClosed: false };
+    requests.push(request);
+    response.on('close', () => { request.isClosed = true; });
+    response.writeHead(from > 0 ? 206 : 200, { etag: '"1"', ...(ranges ? { 'accept-ranges': 'bytes' } : {}) });
+    for (let at = from; at < bytes.length && !request.isClosed; at += 40) {
+      response.write(bytes.subarray(at, at + 40));
+      await sleep(3);
+    }
+    response.end();
+  });
+  await new Promise((resolve) => { server.listen(0, '127.0.0.1', resolve); });
+  return { url: `http://127.0.0.1:${server.address().port}/x.nmc`, requests, server };
+}
+
 test('stream: a broken connection is taken up again where it broke', async () => {
   const bytes = bytesOf('tensions');
   const whole = await decode(bytes, { hashes: true });
@@ -192,6 +218,33 @@ test('stream: a file that was replaced, a server that stays away, a file that is
   const short = brokenServer(bytes.subarray(0, -1), { cut: 1e9 });
   await assert.rejects(read(short), { code: 'NMC_ERR_TRUNCATED', byteOffset: bytes.length - 1 });
   assert.deepEqual(short.requests, [0, bytes.length - 1]);
+});
+
+test('stream: a pause ends the request where Range is known, and the rest is asked for afterwards', async () => {
+  const bytes = bytesOf('tensions');
+  const whole = await decode(bytes, { hashes: true });
+  for (const ranges of [true, false]) {
+    const { url, requests, server } = await slowServer(bytes, ranges);
+    const retried = [];
+    const stream = await NmcStream.open(url, { onRetry: (received) => retried.push(received) });
+    const running = stream.run();
+    stream.pause();
+    if (ranges) await until(() => requests[0].isClosed, 'the end of the request');
+    else await sleep(60);
+    const { receivedBytes } = stream;
+    await sleep(60);
+    assert.equal(stream.receivedBytes, receivedBytes, 'bytes were read in the pause');
+    assert.ok(receivedBytes < bytes.length);
+    assert.equal(requests.length, 1);
+    stream.resume();
+    await running;
+    assert.equal(stream.positionHash(), whole.positionHash);
+    assert.equal(stream.receivedBytes, bytes.length);
+    assert.deepEqual(requests.map(({ from }) => from), ranges ? [0, receivedBytes] : [0]);
+    assert.deepEqual(retried, [], 'a pause is no broken connection');
+    stream.dispose();
+    server.close();
+  }
 });
 
 test('stream: dispose ends a request that is waiting', async () => {

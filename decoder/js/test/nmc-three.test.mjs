@@ -12,7 +12,7 @@ import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { decode, NmcDecoder } from '../nmc-decoder.mjs';
 import { NMCProgressiveMesh } from '../three/nmc-gltf.mjs';
 import { lengthOfPixels, NMCLoader, NMCMesh } from '../three/nmc-loader.mjs';
-import { refineValues } from '../three/nmc-worker.mjs';
+import { refineValues, StreamJob } from '../three/nmc-worker.mjs';
 
 const vectors = join(dirname(fileURLToPath(import.meta.url)), '../../../tests/conformance/vectors');
 const bytesOf = (id) => new Uint8Array(readFileSync(join(vectors, id, 'stream.nmc')));
@@ -63,6 +63,64 @@ test('loader: goals hold the stream and moving them lets it go on', async () => 
   assert.equal((await geometry.refineTo({ layer: last })).index, last);
   await geometry.refineTo({});
   assert.ok(geometry.isComplete);
+});
+
+test('loader: a pause and a goal that is met stop the source', async () => {
+  const bytes = bytesOf('layers-4');
+  let read = 0;
+  const source = (async function* () {
+    for await (const piece of slowly(bytes, 20)) {
+      read += piece.length;
+      yield piece;
+    }
+  })();
+  const rest = () => new Promise((resolve) => { setTimeout(resolve, 60); });
+  const standsStill = async (what) => {
+    await rest();
+    const before = read;
+    await rest();
+    assert.equal(read, before, what);
+    assert.ok(read < bytes.length, `${what}: all of it was read`);
+  };
+  const geometry = await loader().open(source, { goal: { maxLayer: 1 } });
+  await geometry.refineTo({ layer: 1 });
+  await standsStill('goal');
+  geometry.pause();
+  const last = geometry.refineTo({});
+  await standsStill('pause');
+  geometry.resume();
+  await last;
+  assert.ok(geometry.isComplete);
+  assert.equal(read, bytes.length);
+});
+
+test('loader: a mesh that came while the page was busy is shown before the next one', async () => {
+  const bytes = bytesOf('layers-4');
+  const whole = await decode(bytes);
+  const job = [];
+  let gate;
+  const opened = new Promise((resolve) => { gate = resolve; });
+  const end = whole.header.streamBytes - 1;
+  const source = (async function* () {
+    yield bytes.subarray(0, end);
+    await opened;
+    yield bytes.subarray(end);
+  })();
+  const stream = new StreamJob((message) => job.push(message), source, { morphTriangles: 0 });
+  const meshes = () => job.filter(({ type }) => type === 'mesh').map(({ layer }) => layer.index);
+  const wait = (milliseconds) => new Promise((resolve) => { setTimeout(resolve, milliseconds); });
+  await wait(100);
+  assert.deepEqual(meshes(), [0], 'the page has not asked for another one');
+  stream.handle({ type: 'ready' });
+  await wait(300);
+  assert.deepEqual(meshes(), [0, whole.layer.index - 1]);
+  gate();
+  stream.handle({ type: 'ready' });
+  await wait(200);
+  assert.deepEqual(meshes().at(-1), whole.layer.index);
+  stream.handle({ type: 'ready' });
+  await wait(50);
+  assert.equal(job.at(-1).type, 'complete');
 });
 
 test('loader: a cut-off stream keeps its mesh and says so; a file of another kind rejects', async () => {

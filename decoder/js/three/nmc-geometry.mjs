@@ -97,6 +97,7 @@ export class NMCGeometry extends BufferGeometry {
       look();
     });
   }
+  /** Reads no more, as in NmcStream.pause(); what has been decoded is still shown. */
   pause() { this._send({ type: 'pause' }); }
   resume() { this._send({ type: 'resume' }); }
 

@@ -63,6 +63,7 @@ export class NMCGeometry extends BufferGeometry<any, NMCGeometryEventMap> {
   readonly finished: Promise<this>;
   readonly isMorphing: boolean;
   refineTo(goal: NMCGoal): Promise<NmcLayer>;
+  /** Reads no more; ends the request of a URL where the server knows Range. */
   pause(): void;
   resume(): void;
   readOffsets(): Promise<{ normal: Float32Array; isOffNormal: Uint8Array }>;

@@ -6,7 +6,7 @@
 //   scene.add(new NMCMesh(geometry, new MeshStandardMaterial()));  // or any Mesh: then levels appear at once
 import { Loader } from 'three';
 
-import { NmcError, piecesOf } from '../nmc-decoder.mjs';
+import { NmcError, Valve, piecesOf } from '../nmc-decoder.mjs';
 import { NMCGeometry, lengthOfPixels, stopRulesOf } from './nmc-geometry.mjs';
 import { NMCMesh, enableMorph } from './nmc-mesh.mjs';
 
@@ -153,9 +153,12 @@ export class NMCLoader extends Loader {
     if (byWorker) sent = isBuffer ? copyOf(source) : this.#resolved(String(source));
     let geometry = null;
     const abort = new AbortController();
+    const valve = new Valve();
     let arrived = 0;
     let wake = null;
     const receive = (message) => {
+      if (message.type === 'hold') valve.shut('goal');
+      if (message.type === 'go') valve.open('goal');
       if (message.type === 'progress') {
         arrived = message.received;
         wake?.();
@@ -163,14 +166,20 @@ export class NMCLoader extends Loader {
       geometry.receive(message);
     };
     const job = this.#pool.open(sent, jobOptions, receive);
+    const send = (message) => {
+      if (message.type === 'pause') valve.shut('pause');
+      if (message.type === 'resume') valve.open('pause');
+      job.send(message);
+    };
     const release = () => {
       abort.abort();
+      valve.open();
       wake?.();
       job.release();
       this.#geometries.delete(geometry);
     };
     geometry = new NMCGeometry({
-      send: job.send, release, renderer: this.#renderer, bytesPerFrame: uploadBytesPerFrame,
+      send, release, renderer: this.#renderer, bytesPerFrame: uploadBytesPerFrame,
     });
     this.#geometries.add(geometry);
     if (onProgress) geometry.addEventListener('progress', ({ loaded, total }) => onProgress(loaded, total));
@@ -181,10 +190,11 @@ export class NMCLoader extends Loader {
         while (posted - arrived > BYTES_IN_FLIGHT && !abort.signal.aborted) {
           await new Promise((resolve) => { wake = resolve; });
         }
+        await valve.pass();
       };
       const from = isUrl ? this.#resolved(String(source)) : source;
       const onRetry = (received, problem) => receive({ type: 'retry', received, problem: problem?.message ?? '' });
-      this.#pump(piecesOf(from, { ...jobOptions, fetch, onRetry }, abort.signal, wanted), job, room);
+      this.#pump(piecesOf(from, { ...jobOptions, fetch, onRetry }, abort.signal, wanted, valve), job, room);
     }
     return new Promise((resolve, reject) => {
       const settle = (event) => {

@@ -8,9 +8,9 @@
 //   ready    the mesh sent last is in use: the next may come
 //   goal     goal: { maxError?, maxLayer? }: work until one is met, then hold, network included
 //   morph    triangles: finer meshes come without the place they start from
-//   pause, resume, dispose
+//   pause    read no more; the mesh of what was decoded still comes. resume, dispose
 //   overlay  request, kind 'offsets': how vertices of the mesh that was sent last were set off their prediction
-// Messages from it: progress, mesh, hold, retry, complete, error, overlay.
+// Messages from it: progress, mesh, hold (the goal is met), go (it was moved), retry, complete, error, overlay.
 import { NmcError, NmcStream } from '../nmc-decoder.mjs';
 
 /** Pieces that arrive by message. */
@@ -115,6 +115,7 @@ export class StreamJob {
   #goal;
   #isWanted = true;
   #isPaused = false;
+  #isHolding = false;  // the goal is met
   #isOver = false;
   #wake = null;
   #shown = null;  // what the other side draws: layer, level, positions, normals, indices
@@ -129,10 +130,12 @@ export class StreamJob {
 
   handle(message) {
     if (message.type === 'piece') this.#queue?.push(message);
-    if (message.type === 'ready') this.#isWanted = true;
+    if (message.type === 'ready') this.#want();
     if (message.type === 'goal') this.#goal = message.goal;
-    if (message.type === 'pause') this.#isPaused = true;
-    if (message.type === 'resume') this.#isPaused = false;
+    if (message.type === 'pause' || message.type === 'resume') {
+      this.#isPaused = message.type === 'pause';
+      this.#steer();
+    }
     if (message.type === 'morph') this.#options = { ...this.#options, morphTriangles: message.triangles };
     if (message.type === 'overlay') this.#sendOverlay(message.request);
     if (message.type === 'dispose') {
@@ -141,6 +144,28 @@ export class StreamJob {
       this.#shown = null;
     }
     this.#wake?.();
+  }
+
+  /**
+   * The other side wants a mesh. If it has missed one, that one is sent unless the next comes soon: on a slow line, or
+   * in a pause, it may take long.
+   */
+  #want() {
+    this.#isWanted = true;
+    setTimeout(() => {
+      const layer = this.#stream?.layer;
+      if (this.#isOver || !this.#isWanted || !this.#shown || !layer || layer.index === this.#shown.layer.index) return;
+      try {
+        this.#sendMesh();
+      } catch {
+        return;  // a stream that broke tells so itself
+      }
+    }, 100);
+  }
+  /** Lets the stream run or not. */
+  #steer() {
+    if (this.#isPaused || this.#isHolding) this.#stream?.pause();
+    else this.#stream?.resume();
   }
 
   #isMet(layer) {
@@ -161,6 +186,7 @@ export class StreamJob {
         onRetry: (received, problem) => this.#post({ type: 'retry', received, problem: problem?.message ?? '' }),
       });
       if (this.#isOver) return stream.dispose();
+      this.#steer();
       const tell = () => this.#post({ type: 'progress', received: stream.receivedBytes });
       stream.addEventListener('progress', tell);
       tell();
@@ -168,11 +194,17 @@ export class StreamJob {
         await turn();
         if (this.#isOver) return;
         if (this.#isWanted) this.#sendMesh();
-        if (this.#isPaused || this.#isMet(layer)) {
+        if (this.#isMet(layer)) {
+          this.#isHolding = true;
+          this.#steer();
           await this.#until(() => this.#isWanted);
+          if (this.#isOver) return;
           this.#sendMesh();
           this.#post({ type: 'hold', layer: { ...layer, mesh: undefined } });
-          await this.#until(() => !this.#isPaused && !this.#isMet(layer));
+          await this.#until(() => !this.#isMet(layer));
+          this.#isHolding = false;
+          this.#steer();
+          this.#post({ type: 'go' });
         }
         if (this.#isOver) return;
       }
