@@ -50,12 +50,6 @@ async function open(path, { url = nginx.url, width = 960, height = 600, ...optio
   const complaints = [];
   page.on('console', (message) => { if (message.type() === 'error' || /INVALID_|GL_/.test(message.text())) complaints.push(message.text()); });
   page.on('pageerror', (error) => complaints.push(String(error)));
-  await page.addInitScript(() => {
-    window.longTasks = [];
-    new PerformanceObserver((list) => {
-      for (const { startTime, duration } of list.getEntries()) window.longTasks.push({ startTime, duration });
-    }).observe({ type: 'longtask', buffered: true });
-  });
   await page.goto(`${url}/${path}`);
   const events = (type) => page.evaluate((t) => (window.nmcViewer?.events ?? []).filter((e) => e.type === t), type);
   const first = (type, milliseconds) => until(async () => (await events(type))[0], `${type} of ${path}`, milliseconds);
@@ -113,7 +107,7 @@ test('a stream of 3 MB at 1 Mbit/s: early, often, without a long task, and exact
   assert.ok(size > 2.9e6, `${size} bytes`);
   const expected = hashOf(join(folder, 'rock.nmc'));
   const { page, context, complaints, events, first } = await open('', { width: 660, height: 500 });
-  const ready = await first('ready');
+  await first('ready');
   const trace = await traceMainThread(browser, page);
   await page.evaluate(() => {
     document.getElementById('url').value = 'slow/rock.nmc';
@@ -129,21 +123,15 @@ test('a stream of 3 MB at 1 Mbit/s: early, often, without a long task, and exact
   assert.equal(layers.at(-1).triangles, 2097152);
   assert.ok(complete.time - begin.time > 15000, 'the line was not slow');
   await drawn(page, 120000);
-  const processor = await trace.stop();
+  const { count, longest } = await trace.stop();
   assert.equal(await page.evaluate(() => window.nmcViewer.stage.renderer.info.render.triangles), 2097152);
   assert.ok(await showsSurface(page), 'the surface is not on the screen');
-  const walls = await page.evaluate((time) => window.longTasks.filter((task) => task.startTime > time), ready.time);
-  const wall = Math.max(0, ...walls.map(({ duration }) => duration));
-  const isSoftware = await page.evaluate(() => window.nmcViewer.stage.isSoftware);
   t.diagnostic(`first mesh after ${firstLayer.bytes} bytes, ${layers.length - 1} refinements, complete after ` +
-    `${((complete.time - begin.time) / 1000).toFixed(1)} s; ${processor.count} tasks of the page, longest ` +
-    `${processor.longest.toFixed(1)} ms of processor time, ${wall} ms on the wall${isSoftware ? ', drawn in software' : ''}`);
+    `${((complete.time - begin.time) / 1000).toFixed(1)} s; ${count} tasks of the page, the longest in milliseconds: ` +
+    Object.entries(longest).map(([name, value]) => `${name} ${value.toFixed(1)}`).join(', '));
   assert.deepEqual(complaints, []);
-  assert.ok(processor.count > 100, 'nothing was traced');
-  assert.ok(processor.longest <= 50, `a task of ${processor.longest} ms of processor time held the page`);
-  // Without a graphics card the drawing takes the processors, and a task of the page waits its turn meanwhile.
-  const limit = Number(process.env.NMC_LONGEST_TASK ?? (isSoftware ? 500 : 50));
-  assert.ok(wall <= limit, `a task of ${wall} ms held the page`);
+  assert.ok(count > 100, 'nothing was traced');
+  assert.ok(longest.held <= 50, `a task of ${longest.held} ms held the page`);
   await context.close();
 });
 
