@@ -171,7 +171,7 @@ export async function traceMainThread(browser, page) {
     }
   };
   const sampler = setInterval(read, 5);
-  await browser.startTracing(page, { categories: ['toplevel'] });
+  await browser.startTracing(page, { categories: ['toplevel', 'cc', 'gpu', 'devtools.timeline'] });
   const delayWithin = (rows, begin, end) => {
     const before = rows.findLast(([time]) => time <= begin);
     const after = rows.find(([time]) => time >= end);
@@ -184,19 +184,33 @@ export async function traceMainThread(browser, page) {
       clearInterval(sampler);
       const mains = new Set(traceEvents.filter(({ name, args }) => name === 'thread_name' && args.name === 'CrRendererMain')
         .map(({ pid, tid }) => `${pid}/${tid}`));
-      const tasks = traceEvents.filter(({ name, ph, pid, tid }) =>
-        ph === 'X' && /RunTask$/.test(name) && mains.has(`${pid}/${tid}`));
+      const events = traceEvents.filter(({ ph, pid, tid }) => ph === 'X' && mains.has(`${pid}/${tid}`));
+      const tasks = events.filter(({ name }) => /RunTask$/.test(name));
       const longest = { wall: 0, processor: 0, held: 0 };
-      for (const { ts, dur, tdur = 0, pid } of tasks) {
+      let slowest = null;
+      for (const task of tasks) {
+        const { ts, dur, tdur = 0, pid } = task;
         longest.wall = Math.max(longest.wall, dur / 1e3);
         longest.processor = Math.max(longest.processor, tdur / 1e3);
         if (dur / 1e3 <= longest.held) continue;
         const delay = delayWithin(delays.get(pid), ts, ts + dur);
-        longest.held = Math.max(longest.held, Math.max(dur - delay, tdur) / 1e3);
+        const held = Math.max(dur - delay, tdur) / 1e3;
+        if (held <= longest.held) continue;
+        longest.held = held;
+        slowest = task;
       }
-      return { count: tasks.length, longest };
+      return { count: tasks.length, longest, cause: slowest ? causeOf(slowest, events) : '' };
     },
   };
+}
+
+/** What takes most of a task, from the outside to the inside. */
+function causeOf(task, events) {
+  const inside = events.filter(({ ts, dur }) => ts >= task.ts && ts + dur <= task.ts + task.dur && 2 * dur > task.dur)
+    .sort((a, b) => b.dur - a.dur);
+  const names = inside.map(({ name, dur, args }) =>
+    `${args?.src_func ?? args?.data?.functionName ?? name} ${(dur / 1e3).toFixed(0)} ms`);
+  return [...new Set(names)].join(' > ');
 }
 
 /** Bytes that the browser's page processes hold, by the kernel's account. */
