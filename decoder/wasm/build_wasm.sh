@@ -16,7 +16,7 @@ trap 'rm -rf "$objects"' EXIT
 for source in "$root"/decoder/wasm/*.cpp "$root"/libnmc/common/*.cpp "$root"/libnmc/decode/*.cpp; do
   name=$(basename "$source" .cpp)
   case $name in
-    coefficient_coder|reconstruct|stream_decoder)
+    coefficient_decoder|reconstruct)
       options="-O2 -mllvm -inline-threshold=20" ;;
     *) options="-Oz" ;;
   esac

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "libnmc/common/butterfly.h"
 
+#include "libnmc/common/face_walk.h"
+
 namespace nmc {
 
 namespace {
 
-/// cos(2 pi i / n) by its Taylor series, folded to the first eighth of a turn: library cosines differ in their last
-/// bits from system to system, this one does not (spec 6.2.3).
+/// cos(2 pi i / n) by its Taylor series, folded to the first eighth of a turn: library cosines differ in
+/// their last bits from system to system, this one does not (spec 6.2.3).
 double cosine_of_fraction(std::uint32_t i, std::uint32_t n) {
   constexpr double kTwoPi = 6.283185307179586;
   i %= n;
@@ -33,7 +35,8 @@ double cosine_of_fraction(std::uint32_t i, std::uint32_t n) {
 }  // namespace
 
 Status RingWeights::build(const LevelTopology& base) {
-  if (!valence_.assign(base.vertex_count, 0) || !offset_.assign(kMaximumValence + 1, kNone)) return no_memory();
+  if (!valence_.assign(base.vertex_count, 0) || !offset_.assign(kMaximumValence + 1, kNone))
+    return no_memory();
   weights_.clear();
   for (const std::uint32_t v : base.face_vertices) ++valence_[v];
   for (std::uint32_t v = 0; v < base.vertex_count; ++v) {
@@ -49,11 +52,40 @@ Status RingWeights::build(const LevelTopology& base) {
       } else if (n == 4) {
         s[i] = i == 0 ? 0.375 : i == 2 ? -0.125 : 0.0;
       } else {
-        s[i] = ((0.25 + cosine_of_fraction(i, n)) + 0.5 * cosine_of_fraction(2 * i, n)) / static_cast<double>(n);
+        s[i] =
+            ((0.25 + cosine_of_fraction(i, n)) + 0.5 * cosine_of_fraction(2 * i, n)) / static_cast<double>(n);
       }
       sum = sum + s[i];
     }
     s[n] = 1 - sum;
+  }
+  return find_spokes(base);
+}
+
+Status RingWeights::find_spokes(const LevelTopology& base) {
+  if (!first_spoke_.assign(base.vertex_count, kNone) || !place_.assign(std::size_t{2} * base.edge_count, 0) ||
+      !spokes_.reserve(std::size_t{2} * base.edge_count)) {
+    return no_memory();
+  }
+  spokes_.clear();
+  for (std::uint32_t e = 0; e < base.edge_count; ++e) {
+    if (!base.is_boundary(e)) continue;
+    for (std::uint32_t end = 0; end < 2; ++end) first_spoke_[base.edge_vertices[2 * e + end]] = kOnBoundary;
+  }
+  for (std::uint32_t half = 0; half < 2 * base.edge_count; ++half) {
+    const std::uint32_t v = base.edge_vertices[half];
+    if (first_spoke_[v] != kNone) continue;
+    first_spoke_[v] = static_cast<std::uint32_t>(spokes_.size());
+    std::uint32_t edge = half / 2;
+    for (std::uint32_t i = 0; i < valence_[v]; ++i) {
+      const std::uint32_t end = base.edge_vertices[2 * edge] == v ? 0u : 1u;
+      place_[2 * edge + end] = static_cast<std::uint8_t>(i);
+      if (!spokes_.push_back({edge, end})) return no_memory();
+      // The face counter-clockwise of the spoke holds it directed away from the vertex: left of an outward
+      // edge.
+      const std::uint32_t face = base.edge_faces[2 * edge + end];
+      edge = base.face_edges[3 * face + previous_corner(side_of(base, edge, face))];
+    }
   }
   return ok_status();
 }
@@ -67,7 +99,8 @@ Vec3 predict_odd_vertex(const LevelTopology& topology, const RingWeights& ring_w
   if (t == 0) return midpoint;
   Vec3 correction;  // of the full butterfly, to be added to the midpoint
   if (topology.is_curve(edge)) {
-    const std::uint32_t before = curve_continuation(topology, a, edge), after = curve_continuation(topology, b, edge);
+    const std::uint32_t before = curve_continuation(topology, a, edge),
+                        after = curve_continuation(topology, b, edge);
     if (before != kNone && after != kNone) {
       correction = 0.0625 * ((x[a] + x[b]) - (x[before] + x[after]));
     } else if (before == kNone && after == kNone) {

@@ -102,7 +102,7 @@ Status CodedMesh::end_level(int layer, int level) {
   if (level + 1 < header_->level_count) {  // contexts of the next level look at them
     const LevelTopology& topology = topology_[level];
     const std::size_t needed = std::size_t{topology.vertex_count} + topology.edge_count;
-    if (vertex_values_.size() < needed && !vertex_values_.resize(needed)) return no_memory();
+    if (vertex_values_.size() < needed && !vertex_values_.resize_unset(needed)) return no_memory();
     std::memcpy(vertex_values_.data() + topology.vertex_count, coefficients_[level].normal.data(),
                 topology.edge_count * sizeof(std::int32_t));
   }
@@ -124,7 +124,7 @@ Status CodedMesh::update_positions(int level, StopRequest stop) {
   const std::size_t vertex_count =
       level == 0 ? topology_[0].vertex_count
                  : std::size_t{topology_[level - 1].vertex_count} + topology_[level - 1].edge_count;
-  if (positions_.size() < vertex_count && !positions_.resize(vertex_count)) return no_memory();
+  if (positions_.size() < vertex_count && !positions_.resize_unset(vertex_count)) return no_memory();
   if (clean_level_ < 0) {
     const double step = header_->grid_step();
     const std::int64_t ratio = header_->ratio_after(base_layer_);
@@ -141,7 +141,7 @@ Status CodedMesh::update_positions(int level, StopRequest stop) {
       NMC_TRY(stop.check());
       const std::uint32_t last = edge_count - first > kEdgesPerPiece ? first + kEdgesPerPiece : edge_count;
       const LevelCoefficients* coefficients = layer_of_level_[l] < 0 ? nullptr : &coefficients_[l];
-      if (l > 0 && !topology_[l].has_curves()) {
+      if (l > 0) {
         reconstruct_odd_vertices_of_split(topology_[l - 1], topology_[l], ring_weights_, current_quantizer(l),
                                           coefficients, first, last, positions_.data());
       } else {
@@ -156,7 +156,8 @@ Status CodedMesh::update_positions(int level, StopRequest stop) {
 
 Status CodedMesh::update_attribute(int index, int level, StopRequest stop) {
   CodedAttribute& attribute = attributes_[index];
-  if (attribute.finest_known_level() < 0) return {StatusCode::kState, nullptr, "the attribute is not there yet"};
+  if (attribute.finest_known_level() < 0)
+    return {StatusCode::kState, nullptr, "the attribute is not there yet"};
   for (int l = attribute.finest_known_level() + 1; l <= level; ++l) {
     NMC_TRY(ensure_topology(l - 1, false));
     NMC_TRY(attribute.predict_level(header_->attributes[index], l, topology_[l - 1], stop));

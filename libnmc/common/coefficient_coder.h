@@ -14,6 +14,7 @@
 #include <cstdint>
 
 #include "libnmc/common/context_mixing.h"
+#include "libnmc/common/face_walk.h"
 #include "libnmc/common/memory.h"
 #include "libnmc/common/reconstruct.h"
 #include "libnmc/common/status.h"
@@ -100,18 +101,13 @@ class CoefficientModel {
   template <class Coder>
   void code_inner_edges(Coder& coder, const LevelView& view, const LevelTopology& coarse,
                         std::uint32_t coarse_face, std::int32_t* values);
-  struct FaceSurroundings;
   static coefficient_internal::Surroundings look_around_half(const LevelView& view,
                                                              const LevelTopology& coarse,
                                                              std::uint32_t coarse_edge, std::uint32_t half,
+                                                             const EdgeSide sides[2],
                                                              const std::int32_t* values);
   static void look_around_face(const LevelView& view, const LevelTopology& coarse, std::uint32_t coarse_face,
-                               const std::int32_t* values, FaceSurroundings& around);
-  static coefficient_internal::Surroundings look_around_inner(const LevelView& view,
-                                                              const LevelTopology& coarse,
-                                                              std::uint32_t coarse_face, std::uint32_t k,
-                                                              const std::int32_t* values,
-                                                              const FaceSurroundings& face);
+                               const std::int32_t* values, coefficient_internal::Surroundings around[3]);
   /// What an edge sees, found through the level's own connectivity: for level 0, and the definition of the
   /// other two.
   static coefficient_internal::Surroundings look_around(const LevelView& view, std::uint32_t edge,
@@ -167,7 +163,7 @@ class CoefficientModel {
   SignificanceStates significance_[2];
   SignStates sign_[2];
   MagnitudeStates magnitude_[2];
-  BlockStates half_blocks_[2], inner_blocks_[2];  // [1]: there is a previous layer
+  BlockStates half_blocks_[2], inner_blocks_[2];        // [1]: there is a previous layer
   std::uint32_t last_half_blocks_, last_inner_blocks_;  // whether the last blocks were open, newest in bit 0
   std::int32_t run_;                                    // running mean of the magnitudes in 1/16
 

@@ -44,37 +44,59 @@ inline std::int32_t context_magnitude(std::int32_t v) {
   return m < 1023 ? m : 1023;
 }
 
+/// The coefficients of a level while they are coded in order: those before `next` are there, the others as
+/// they were in the previous layer, if there is one. Nothing predicts which, so there are no branches.
+struct KnownValues {
+  const std::int32_t* values;
+  const std::int32_t* ahead;  // of the previous layer; else anything that can be read
+  std::uint32_t next;
+  std::int32_t ahead_mask;
+
+  KnownValues(const std::int32_t* current, const std::int32_t* previous, std::uint32_t first_unknown)
+      : values(current),
+        ahead(previous ? previous : current),
+        next(first_unknown),
+        ahead_mask(previous ? -1 : 0) {}
+  /// All ones if something is known of edge `e`, else zero.
+  std::int32_t mask(std::uint32_t e) const { return (e < next ? -1 : 0) | ahead_mask; }
+  /// To be used under mask().
+  std::int32_t value(std::uint32_t e) const { return (e < next ? values : ahead)[e]; }
+  /// Not zero if one of the halves of a coarse edge is known to be so.
+  std::int32_t pair_bits(std::uint32_t coarse_edge) const {
+    const std::uint32_t e = 2 * coarse_edge;
+    const std::int32_t* from = (e < next ? values : ahead) + e;
+    return (from[0] | from[1]) & mask(e);
+  }
+};
+
 /// What is known around one edge when it is coded (spec 5.3.1): the four near edges, which share a face with
 /// it, the two further edges beyond each of them, the vertices at its ends and those opposite.
 struct Surroundings {
   std::int32_t near_sum = 0, far_sum = 0, opposite_sum = 0, parent_sum = 0;
   int near_count = 0, far_count = 0;
-  int near_signs = 0, near_signed = 0, opposite_signs = 0, parent_signs = 0, largest = 0;
   int near_classes[4] = {5, 5, 5, 5};  // 0 ... 3: magnitude, 4: not yet known, 5: beyond a boundary
-  int slot = 0;
+  // Signs matter only where the coefficient turns out not to be zero: the values are kept until then.
+  std::int32_t near[4] = {0, 0, 0, 0}, opposite[2] = {0, 0}, parent[2] = {0, 0};
 
-  void add_near(std::int32_t v) {
-    const std::int32_t m = context_magnitude(v);
+  /// `known` is all ones, or zero for a value that is not there yet.
+  void set_near(std::uint32_t i, std::int32_t v, std::int32_t known = -1) {
+    near[i] = v & known;
+    const std::int32_t m = context_magnitude(near[i]);
     near_sum += m;
-    ++near_count;
-    near_signs += sign_of(v);
-    near_signed += v > 3 ? 3 : v < -3 ? -3 : v;
-    if (m > largest) largest = m;
-    near_classes[slot++] = m > 3 ? 3 : m;
+    near_count -= known;
+    near_classes[i] = (m > 3 ? 3 : m) | (~known & 4);
   }
-  void add_unknown_near() { near_classes[slot++] = 4; }
-  void add_boundary() { slot += 2; }
-  void add_far(std::int32_t v) {
-    far_sum += context_magnitude(v);
-    ++far_count;
+  void add_far(std::int32_t v, std::int32_t known = -1) {
+    far_sum += context_magnitude(v & known);
+    far_count -= known;
   }
-  void add_opposite(std::int32_t v) {
+  void set_opposite(std::uint32_t i, std::int32_t v) {
+    opposite[i] = v;
     opposite_sum += context_magnitude(v);
-    opposite_signs += sign_of(v);
   }
-  void add_parent(std::int32_t v) {
+  void set_parent(std::uint32_t i, std::int32_t v) {
+    parent[i] = v;
     parent_sum += context_magnitude(v);
-    parent_signs += sign_of(v);
   }
   /// The classes of the near edges whatever their order: as digits of base 6 in increasing order.
   int neighbour_index() const {
@@ -85,6 +107,24 @@ struct Surroundings {
     const int middle_a = high(l01, l23), middle_b = low(h01, h23);
     return low(l01, l23) +
            6 * (low(middle_a, middle_b) + 6 * (high(middle_a, middle_b) + 6 * high(h01, h23)));
+  }
+};
+
+/// What the sign and the magnitude of a coefficient see besides.
+struct SignsAround {
+  int near_signs = 0, near_signed = 0, opposite_signs = 0, parent_signs = 0, largest = 0;
+
+  explicit SignsAround(const Surroundings& around) {
+    for (const std::int32_t v : around.near) {
+      near_signs += sign_of(v);
+      near_signed += v > 3 ? 3 : v < -3 ? -3 : v;
+      const std::int32_t m = context_magnitude(v);
+      if (m > largest) largest = m;
+    }
+    for (int i = 0; i < 2; ++i) {
+      opposite_signs += sign_of(around.opposite[i]);
+      parent_signs += sign_of(around.parent[i]);
+    }
   }
 };
 
@@ -141,33 +181,26 @@ NMC_SELDOM inline coefficient_internal::Surroundings CoefficientModel::look_arou
   Surroundings around;
   // What is known of another edge of this level: its value if it comes earlier, else that of the previous
   // layer.
-  const auto is_known = [&](std::uint32_t e) { return e < edge || view.previous != nullptr; };
-  const auto known = [&](std::uint32_t e) { return e < edge ? values[e] : view.previous[e]; };
-  for (int side = 0; side < 2; ++side) {
+  const KnownValues known{values, view.previous, edge};
+  for (std::uint32_t side = 0; side < 2; ++side) {
     const std::uint32_t face = topology.edge_faces[2 * edge + side];
-    if (face == kNone) {
-      around.add_boundary();
-      continue;
-    }
-    around.add_opposite(view.vertex_values[topology.opposite_vertex(edge, face)]);
-    for (int k = 0; k < 3; ++k) {
+    if (face == kNone) continue;
+    around.set_opposite(side, view.vertex_values[topology.opposite_vertex(edge, face)]);
+    std::uint32_t slot = 2 * side;
+    for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t near = topology.face_edges[3 * face + k];
       if (near == edge) continue;
-      if (is_known(near)) {
-        around.add_near(known(near));
-      } else {
-        around.add_unknown_near();
-      }
+      around.set_near(slot++, known.value(near), known.mask(near));
       const std::uint32_t beyond = topology.face_across(near, face);
       if (beyond == kNone) continue;
-      for (int j = 0; j < 3; ++j) {
+      for (std::uint32_t j = 0; j < 3; ++j) {
         const std::uint32_t far = topology.face_edges[3 * beyond + j];
-        if (far != near && is_known(far)) around.add_far(known(far));
+        if (far != near) around.add_far(known.value(far), known.mask(far));
       }
     }
   }
-  around.add_parent(view.vertex_values[topology.edge_vertices[2 * edge]]);
-  around.add_parent(view.vertex_values[topology.edge_vertices[2 * edge + 1]]);
+  around.set_parent(0, view.vertex_values[topology.edge_vertices[2 * edge]]);
+  around.set_parent(1, view.vertex_values[topology.edge_vertices[2 * edge + 1]]);
   return around;
 }
 
@@ -227,19 +260,20 @@ std::int32_t CoefficientModel::code_normal(Coder& coder, const LevelView& view,
     }
   }
 
+  const SignsAround signs(around);
   SignStates& sign = sign_[layer];
-  MixedBit<6> negative(sign.by_neighbours[around.near_signs + 4],
-                       sign.by_parents[level_class][around.parent_signs + 2],
-                       sign.by_opposite[around.opposite_signs + 2][around.parent_signs + 2],
-                       sign.by_signed[around.near_signed + 12][sign_of(sibling) + 1][kind & 1],
-                       sign.by_all[around.near_signs + 4][around.parent_signs + 2][around.opposite_signs + 2],
-                       sign.by_sibling[sign_of(sibling) + 1][around.opposite_signs + 2]);
+  MixedBit<6> negative(sign.by_neighbours[signs.near_signs + 4],
+                       sign.by_parents[level_class][signs.parent_signs + 2],
+                       sign.by_opposite[signs.opposite_signs + 2][signs.parent_signs + 2],
+                       sign.by_signed[signs.near_signed + 12][sign_of(sibling) + 1][kind & 1],
+                       sign.by_all[signs.near_signs + 4][signs.parent_signs + 2][signs.opposite_signs + 2],
+                       sign.by_sibling[sign_of(sibling) + 1][signs.opposite_signs + 2]);
   const int is_negative = coder.code(target < 0, negative.probability(sign.mixer[kind & 1]));
   negative.update(is_negative, sign.mixer[kind & 1], kSignificanceCountLimit);
 
   MagnitudeStates& magnitude = magnitude_[layer];
   const std::uint32_t excess = static_cast<std::uint32_t>(magnitude_of(target)) - 1;
-  const int largest_class = around.near_count == 0 ? 6 : around.largest > 5 ? 5 : around.largest;
+  const int largest_class = around.near_count == 0 ? 6 : signs.largest > 5 ? 5 : signs.largest;
   std::uint32_t m = 0;
   while (m < kUnary) {
     MixedBit<6> more(magnitude.by_energy[energy_index][m], magnitude.by_far_ring[far_class][m],
@@ -350,143 +384,86 @@ Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const Lev
   return ok_status();
 }
 
-namespace coefficient_internal {
-
-/// The corner of `face` at `vertex`, which it has.
-inline std::uint32_t corner_at(const LevelTopology& topology, std::uint32_t face, std::uint32_t vertex) {
-  const std::uint32_t* v = topology.face_vertices.data() + std::size_t{3} * face;
-  return v[0] == vertex ? 0u : v[1] == vertex ? 1u : 2u;
-}
-/// Which of the edges of `face` is `edge`, by its opposite corner.
-inline std::uint32_t side_of(const LevelTopology& topology, std::uint32_t face, std::uint32_t edge) {
-  const std::uint32_t* e = topology.face_edges.data() + std::size_t{3} * face;
-  return e[0] == edge ? 0u : e[1] == edge ? 1u : 2u;
-}
-/// The half of a coarse edge that ends at `vertex`.
-inline std::uint32_t half_at(const LevelTopology& coarse, std::uint32_t edge, std::uint32_t vertex) {
-  return 2 * edge + (coarse.edge_vertices[2 * edge] == vertex ? 0u : 1u);
-}
-
-}  // namespace coefficient_internal
-
-inline coefficient_internal::Surroundings CoefficientModel::look_around_half(const LevelView& view,
-                                                                             const LevelTopology& coarse,
-                                                                             std::uint32_t coarse_edge,
-                                                                             std::uint32_t half,
-                                                                             const std::int32_t* values) {
+inline coefficient_internal::Surroundings CoefficientModel::look_around_half(
+    const LevelView& view, const LevelTopology& coarse, std::uint32_t coarse_edge, std::uint32_t half,
+    const EdgeSide sides[2], const std::int32_t* values) {
   using namespace coefficient_internal;
   const std::int32_t* const previous = view.previous;
   const std::uint32_t edge = 2 * coarse_edge + half, inner_begin = 2 * coarse.edge_count;
-  const std::uint32_t end = coarse.edge_vertices[edge];
+  const KnownValues known{values, previous, edge};
   Surroundings around;
-  for (std::uint32_t side = 0; side < 2; ++side) {
-    const std::uint32_t face = coarse.edge_faces[2 * coarse_edge + side];
-    if (face == kNone) {
-      around.add_boundary();
-      continue;
-    }
-    // The child of `face` at `end`: an inner edge, and a half of the other coarse edge there.
-    const std::uint32_t corner = corner_at(coarse, face, end);
-    const std::uint32_t other = coarse.face_edges[3 * face + 3 - corner - side_of(coarse, face, coarse_edge)];
-    around.add_opposite(view.vertex_values[coarse.vertex_count + other]);
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    const EdgeSide& side = sides[i];
+    if (side.face == kNone) continue;
+    // The child of the face at this end: an inner edge, and a half of the other coarse edge there.
+    const bool is_tail = i == half;
+    const std::uint32_t other = side.other[half];
+    around.set_opposite(i, view.vertex_values[coarse.vertex_count + other]);
     if (previous) {
-      const std::int32_t* inner = previous + inner_begin + std::size_t{3} * face;
-      around.add_near(inner[corner]);
-      around.add_far(inner[corner == 0 ? 1 : 0]);
-      around.add_far(inner[corner == 2 ? 1 : 2]);
+      const std::uint32_t corner = side.corner[half];
+      const std::int32_t* inner = previous + inner_begin + std::size_t{3} * side.face;
+      around.set_near(2 * i, inner[corner]);
+      around.add_far(inner[next_corner(corner)]);
+      around.add_far(inner[previous_corner(corner)]);
     } else {
-      around.add_unknown_near();
+      around.set_near(2 * i, 0, 0);
     }
-    const std::uint32_t near = half_at(coarse, other, end);
-    if (near < edge) {
-      around.add_near(values[near]);
-    } else if (previous) {
-      around.add_near(previous[near]);
-    } else {
-      around.add_unknown_near();
+    // The face runs along its other edge towards the tail of this one, and away from its head.
+    const std::uint32_t near =
+        is_tail ? half_at_head(coarse, other, side.face) : half_at_tail(coarse, other, side.face);
+    around.set_near(2 * i + 1, known.value(near), known.mask(near));
+    const FaceBeyond beyond = face_beyond(coarse, other, side.face);
+    if (beyond.face == kNone) continue;
+    const std::uint32_t third = is_tail ? beyond.edge_at_head : beyond.edge_at_tail;
+    const std::uint32_t far =
+        is_tail ? half_at_head(coarse, third, beyond.face) : half_at_tail(coarse, third, beyond.face);
+    if (previous) {
+      const std::uint32_t corner = is_tail ? beyond.corner_at_head : beyond.corner_at_tail;
+      around.add_far(previous[inner_begin + std::size_t{3} * beyond.face + corner]);
     }
-    const std::uint32_t beyond = coarse.face_across(other, face);
-    if (beyond == kNone) continue;
-    const std::uint32_t corner_beyond = corner_at(coarse, beyond, end);
-    if (previous) around.add_far(previous[inner_begin + std::size_t{3} * beyond + corner_beyond]);
-    const std::uint32_t third =
-        coarse.face_edges[3 * beyond + 3 - corner_beyond - side_of(coarse, beyond, other)];
-    const std::uint32_t far = half_at(coarse, third, end);
-    if (far < edge) {
-      around.add_far(values[far]);
-    } else if (previous) {
-      around.add_far(previous[far]);
-    }
+    around.add_far(known.value(far), known.mask(far));
   }
-  around.add_parent(view.vertex_values[end]);
-  around.add_parent(view.vertex_values[coarse.vertex_count + coarse_edge]);
+  around.set_parent(0, view.vertex_values[coarse.edge_vertices[edge]]);
+  around.set_parent(1, view.vertex_values[coarse.vertex_count + coarse_edge]);
   return around;
 }
 
-/// What the three inner edges of one coarse face see of the halves around: gathered once.
-struct CoefficientModel::FaceSurroundings {
-  std::int32_t halves[3][2];            // at each corner: of the edge after it, and of the edge before it
-  bool has_beyond[3][2];                // whether there is a face beyond that half
-  std::int32_t far_half[3][2];          // beyond that half: the next half at the same corner,
-  const std::int32_t* far_inner[3][2];  // and the inner edge across it, null when it is not yet known
-};
-
+/// What the three inner edges of one coarse face see, but for each other.
 inline void CoefficientModel::look_around_face(const LevelView& view, const LevelTopology& coarse,
                                                std::uint32_t coarse_face, const std::int32_t* values,
-                                               FaceSurroundings& around) {
+                                               coefficient_internal::Surroundings around[3]) {
   using namespace coefficient_internal;
-  const std::uint32_t* e = coarse.face_edges.data() + std::size_t{3} * coarse_face;
-  const std::uint32_t* v = coarse.face_vertices.data() + std::size_t{3} * coarse_face;
+  const std::uint32_t inner_begin = 2 * coarse.edge_count;
+  const KnownValues known{values, view.previous, inner_begin + 3 * coarse_face};
+  std::int32_t half_sum = 0;
   for (std::uint32_t j = 0; j < 3; ++j) {
-    const std::uint32_t edge = e[j];
-    const std::uint32_t beyond = coarse.face_across(edge, coarse_face);
-    const std::uint32_t side_beyond = beyond == kNone ? 0 : side_of(coarse, beyond, edge);
-    for (std::uint32_t i = 0; i < 2; ++i) {
-      // Edge j runs between the corners j + 1 and j + 2; it comes before the one and after the other.
-      const std::uint32_t corner = (j + 1 + i) % 3, slot = 1 - i;
-      const std::uint32_t end = v[corner];
-      around.halves[corner][slot] = values[half_at(coarse, edge, end)];
-      around.has_beyond[corner][slot] = beyond != kNone;
-      if (beyond == kNone) continue;
-      const std::uint32_t corner_beyond = corner_at(coarse, beyond, end);
-      const std::uint32_t third = coarse.face_edges[3 * beyond + 3 - corner_beyond - side_beyond];
-      around.far_half[corner][slot] = values[half_at(coarse, third, end)];
-      const std::int32_t* from = beyond < coarse_face ? values : view.previous;
-      around.far_inner[corner][slot] =
-          from ? from + 2 * std::size_t{coarse.edge_count} + std::size_t{3} * beyond + corner_beyond
-               : nullptr;
-    }
+    // Edge j comes after its tail, the next corner, and before its head. The inner edges there have its odd
+    // vertex as an end, the one across lies opposite to it.
+    const std::uint32_t edge = coarse.face_edges[3 * coarse_face + j];
+    const std::uint32_t tail = next_corner(j), head = previous_corner(j);
+    Surroundings &at_tail = around[tail], &at_head = around[head];
+    const std::int32_t odd_value = view.vertex_values[coarse.vertex_count + edge];
+    at_tail.set_parent(0, odd_value);
+    at_head.set_parent(1, odd_value);
+    around[j].set_opposite(0, odd_value);
+    around[j].set_opposite(1, view.vertex_values[coarse.face_vertices[3 * coarse_face + j]]);
+    const std::uint32_t half = half_at_tail(coarse, edge, coarse_face);
+    at_tail.set_near(0, values[half]);
+    at_head.set_near(1, values[half ^ 1u]);
+    const FaceBeyond beyond = face_beyond(coarse, edge, coarse_face);
+    if (beyond.face == kNone) continue;
+    at_tail.add_far(values[half_at_tail(coarse, beyond.edge_at_tail, beyond.face)]);
+    at_head.add_far(values[half_at_head(coarse, beyond.edge_at_head, beyond.face)]);
+    const std::uint32_t inner = inner_begin + 3 * beyond.face;
+    at_tail.add_far(known.value(inner + beyond.corner_at_tail), known.mask(inner));
+    at_head.add_far(known.value(inner + beyond.corner_at_head), known.mask(inner));
   }
-}
-
-inline coefficient_internal::Surroundings CoefficientModel::look_around_inner(
-    const LevelView& view, const LevelTopology& coarse, std::uint32_t coarse_face, std::uint32_t k,
-    const std::int32_t* values, const FaceSurroundings& face) {
-  using namespace coefficient_internal;
-  const std::uint32_t* e = coarse.face_edges.data() + std::size_t{3} * coarse_face;
-  const std::size_t first = 2 * std::size_t{coarse.edge_count} + std::size_t{3} * coarse_face;
-  Surroundings around;
-  for (std::uint32_t i = 1; i <= 2; ++i) {
-    const std::uint32_t j = (k + i) % 3;
-    if (j < k) {
-      around.add_near(values[first + j]);
-    } else if (view.previous) {
-      around.add_near(view.previous[first + j]);
-    } else {
-      around.add_unknown_near();
-    }
-    around.add_far(face.halves[j][0]);
-    around.add_far(face.halves[j][1]);
-    around.add_parent(view.vertex_values[coarse.vertex_count + e[j]]);
-    around.add_near(face.halves[k][i - 1]);
-    if (face.has_beyond[k][i - 1]) {
-      around.add_far(face.far_half[k][i - 1]);
-      if (face.far_inner[k][i - 1]) around.add_far(*face.far_inner[k][i - 1]);
-    }
+  // The halves at the other two corners are far.
+  for (int k = 0; k < 3; ++k) half_sum += around[k].near_sum;
+  for (int k = 0; k < 3; ++k) {
+    around[k].far_sum += half_sum - around[k].near_sum;
+    around[k].far_count += 4;
   }
-  around.add_opposite(view.vertex_values[coarse.vertex_count + e[k]]);
-  around.add_opposite(view.vertex_values[coarse.face_vertices[3 * coarse_face + k]]);
-  return around;
 }
 
 template <class Coder>
@@ -495,40 +472,47 @@ void CoefficientModel::code_half_edges(Coder& coder, const LevelView& view, cons
   using namespace coefficient_internal;
   const std::uint32_t first = 2 * coarse_edge;
   const std::int32_t* const previous = view.previous;
-  const auto known = [&](std::uint32_t e) {
-    return e < first ? context_magnitude(values[e]) : previous ? context_magnitude(previous[e]) : 0;
-  };
-  const std::uint32_t a = coarse.edge_vertices[2 * coarse_edge],
-                      b = coarse.edge_vertices[2 * coarse_edge + 1];
-  std::int32_t middle = context_magnitude(view.vertex_values[coarse.vertex_count + coarse_edge]);
-  std::int32_t near_sum =
-      previous ? context_magnitude(previous[first]) + context_magnitude(previous[first + 1]) : 0;
-  std::int32_t opposite = 0, wide = 0;
-  for (int side = 0; side < 2; ++side) {
-    const std::uint32_t face = coarse.edge_faces[2 * coarse_edge + side];
+  const std::int32_t* const odd_values = view.vertex_values + coarse.vertex_count;
+  const KnownValues known{values, previous, first};
+  // Quiet: the odd vertices of the edges around, this edge among them, and the halves near to it are all
+  // zero. Where even the other halves are, which is soon known, so is the sum of those.
+  std::int32_t near_bits = 0, half_bits = 0, wide = 0;
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    const std::uint32_t face = coarse.edge_faces[first + i];
     if (face == kNone) continue;
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t e = coarse.face_edges[3 * face + k];
-      if (e == coarse_edge) continue;
-      opposite += context_magnitude(view.vertex_values[coarse.vertex_count + e]);
-      // The half of e at the end that it shares with this edge.
-      const std::uint32_t start = coarse.edge_vertices[2 * e];
-      const std::uint32_t at_start = start == a || start == b ? 0u : 1u;
-      near_sum += known(2 * e + at_start);
-      wide += known(2 * e + 1 - at_start);
+    const std::uint32_t* const edges = coarse.face_edges.data() + std::size_t{3} * face;
+    near_bits |= odd_values[edges[0]] | odd_values[edges[1]] | odd_values[edges[2]];
+    half_bits |= known.pair_bits(edges[0]) | known.pair_bits(edges[1]) | known.pair_bits(edges[2]);
+  }
+  EdgeSide sides[2];
+  const auto find_sides = [&] {
+    for (std::uint32_t i = 0; i < 2; ++i) sides[i] = edge_side(coarse, coarse_edge, i);
+  };
+  if ((near_bits | half_bits) != 0) find_sides();
+  if (near_bits == 0 && half_bits != 0) {
+    if (previous) near_bits |= previous[first] | previous[first + 1];
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      if (sides[i].face == kNone) continue;
+      for (std::uint32_t end = 0; end < 2; ++end) {
+        const std::uint32_t other = sides[i].other[end], face = sides[i].face;
+        const std::uint32_t near =
+            i == end ? half_at_head(coarse, other, face) : half_at_tail(coarse, other, face);
+        near_bits |= known.value(near) & known.mask(near);
+        wide += context_magnitude(known.value(near ^ 1u) & known.mask(near));
+      }
     }
   }
   const auto code_both = [&](Kind kind) {
     for (std::uint32_t half = 0; half < 2; ++half) {
       const bool is_known_nonzero = kind == kHalfOfOpenBlock && half == 1 && values[first] == 0;
       values[first + half] =
-          code_normal(coder, view, look_around_half(view, coarse, coarse_edge, half, values), kind,
+          code_normal(coder, view, look_around_half(view, coarse, coarse_edge, half, sides, values), kind,
                       is_known_nonzero, first + half, values);
     }
   };
-  if (middle + near_sum + opposite != 0) return code_both(kHalfEdge);
-  const std::int32_t ends =
-      context_magnitude(view.vertex_values[a]) + context_magnitude(view.vertex_values[b]);
+  if (near_bits != 0) return code_both(kHalfEdge);
+  const std::int32_t ends = context_magnitude(view.vertex_values[coarse.edge_vertices[first]]) +
+                            context_magnitude(view.vertex_values[coarse.edge_vertices[first + 1]]);
   BlockStates& states = half_blocks_[previous ? 1 : 0];
   const int run_class = energy_class(run_), ends_class = energy_class(8 * ends);
   MixedBit<4> open(states.by_run[view.level_class][run_class],
@@ -539,7 +523,10 @@ void CoefficientModel::code_half_edges(Coder& coder, const LevelView& view, cons
   const int is_open = coder.code(values[first] != 0 || values[first + 1] != 0, open.probability(mixer));
   open.update(is_open, mixer, kSignificanceCountLimit);
   last_half_blocks_ = 2 * last_half_blocks_ + static_cast<std::uint32_t>(is_open);
-  if (is_open) return code_both(kHalfOfOpenBlock);
+  if (is_open) {
+    find_sides();
+    return code_both(kHalfOfOpenBlock);
+  }
   values[first] = values[first + 1] = 0;
   run_ -= run_ >> 3;
   run_ -= run_ >> 3;
@@ -551,36 +538,35 @@ void CoefficientModel::code_inner_edges(Coder& coder, const LevelView& view, con
   using namespace coefficient_internal;
   const std::uint32_t first = 2 * coarse.edge_count + 3 * coarse_face;
   const std::int32_t* const previous = view.previous;
-  std::int32_t near_sum = 0, wide = 0, corners = 0;
+  const KnownValues known{values, previous, first};
+  std::int32_t near_bits = previous ? previous[first] | previous[first + 1] | previous[first + 2] : 0;
   for (int k = 0; k < 3; ++k) {
     const std::uint32_t e = coarse.face_edges[3 * coarse_face + k];
-    near_sum += context_magnitude(view.vertex_values[coarse.vertex_count + e]);
-    near_sum += context_magnitude(values[2 * e]) + context_magnitude(values[2 * e + 1]);
-    if (previous) near_sum += context_magnitude(previous[first + k]);
+    near_bits |= view.vertex_values[coarse.vertex_count + e] | values[2 * e] | values[2 * e + 1];
   }
   const auto code_three = [&](Kind kind) {
-    FaceSurroundings around;
+    Surroundings around[3];
     look_around_face(view, coarse, coarse_face, values, around);
     for (std::uint32_t k = 0; k < 3; ++k) {
+      const KnownValues seen{values, previous, first + k};
+      const std::uint32_t after = first + next_corner(k), before = first + previous_corner(k);
+      around[k].set_near(2, seen.value(after), seen.mask(after));
+      around[k].set_near(3, seen.value(before), seen.mask(before));
       const bool is_known_nonzero =
           kind == kInnerOfOpenBlock && k == 2 && values[first] == 0 && values[first + 1] == 0;
-      values[first + k] =
-          code_normal(coder, view, look_around_inner(view, coarse, coarse_face, k, values, around), kind,
-                      is_known_nonzero, first + k, values);
+      values[first + k] = code_normal(coder, view, around[k], kind, is_known_nonzero, first + k, values);
     }
   };
-  if (near_sum != 0) return code_three(kInnerEdge);
+  if (near_bits != 0) return code_three(kInnerEdge);
+  std::int32_t wide = 0, corners = 0;
   for (int k = 0; k < 3; ++k) {
     corners += context_magnitude(view.vertex_values[coarse.face_vertices[3 * coarse_face + k]]);
     const std::uint32_t e = coarse.face_edges[3 * coarse_face + k];
-    const std::uint32_t left = coarse.edge_faces[2 * e], right = coarse.edge_faces[2 * e + 1];
-    const std::uint32_t other = left == coarse_face ? right : left;
-    if (other == kNone) continue;
-    const std::int32_t* from = other < coarse_face ? values : previous;
-    if (!from) continue;
-    const std::uint32_t there = 2 * coarse.edge_count + 3 * other;
-    wide += context_magnitude(from[there]) + context_magnitude(from[there + 1]) +
-            context_magnitude(from[there + 2]);
+    const std::uint32_t beyond = coarse.face_across(e, coarse_face);
+    if (beyond == kNone) continue;
+    const std::uint32_t there = 2 * coarse.edge_count + 3 * beyond;
+    const std::int32_t mask = known.mask(there);
+    for (std::uint32_t i = 0; i < 3; ++i) wide += context_magnitude(known.value(there + i) & mask);
   }
   BlockStates& states = inner_blocks_[previous ? 1 : 0];
   const int run_class = energy_class(run_), corner_class = energy_class(8 * corners);

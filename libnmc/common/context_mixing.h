@@ -68,14 +68,8 @@ constexpr void fill(StretchTable& table) {
 inline CountTable kCountTable;
 inline StretchTable kStretch;
 #else
-template <class Table>
-constexpr Table filled_table() {
-  Table table{};
-  fill(table);
-  return table;
-}
-inline constexpr CountTable kCountTable = filled_table<CountTable>();
-inline constexpr StretchTable kStretch = filled_table<StretchTable>();
+extern const CountTable kCountTable;
+extern const StretchTable kStretch;
 #endif
 
 // Keeps the weighted sum far from overflow whatever bits come.
@@ -141,8 +135,9 @@ void forget_all_bits(Model& model) {
 /// Number of adaptive bits that one mixer joins at most; one more input is a constant.
 inline constexpr int kMaximumMixerInputs = 8;
 
-/// Weights of one mixer, in 1/65536.
-struct MixerWeights {
+/// Weights of one mixer, in 1/65536. They are written as whole registers and read soon after: never across two lines of
+/// the cache.
+struct alignas(std::max_align_t) MixerWeights {
   std::int32_t weight[kMaximumMixerInputs + 4];
   std::int32_t rate;  // learning rate, in 1/16384; falls as the mixer learns
 

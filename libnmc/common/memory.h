@@ -112,6 +112,12 @@ class Array {
     size_ = count;
     return true;
   }
+  /// The same, but new elements hold anything: for those that are written before they are read.
+  [[nodiscard]] bool resize_unset(std::size_t count) {
+    if (count > capacity_ && !reserve(count)) return false;
+    size_ = count;
+    return true;
+  }
   [[nodiscard]] bool reserve(std::size_t count) {
     if (count <= capacity_) return true;
     if (count > ~std::size_t{0} / 2 / sizeof(T)) return false;

@@ -3,86 +3,77 @@
 
 #include <algorithm>
 
+#include "libnmc/common/face_walk.h"
 #include "libnmc/common/local_frame.h"
 
 namespace nmc {
 
 namespace {
 
-/// A butterfly stencil: the edge (a, b), its tips left and right, and the wings near a and near b on both
-/// sides.
-struct RegularStencil {
-  std::uint32_t a, b;
-  std::uint32_t tip[2], wing_a[2], wing_b[2];
-};
-
-/// What predict_odd_vertex() computes inside the surface, operation by operation.
-Vec3 predict_regular(const RegularStencil& s, double t, const Vec3* x) {
-  const Vec3 midpoint = 0.5 * (x[s.a] + x[s.b]);
+/// What predict_odd_vertex() computes inside the surface for the edge (a, b), operation by operation: tips
+/// and wings on the left and on the right. That sums begin at zero is left out where the sign of a zero
+/// cannot matter.
+inline Vec3 predict_regular(double t, const Vec3& a, const Vec3& b, const Vec3& left_tip,
+                            const Vec3& right_tip, const Vec3& left_wing_a, const Vec3& left_wing_b,
+                            const Vec3& right_wing_a, const Vec3& right_wing_b) {
+  const Vec3 midpoint = 0.5 * (a + b);
   if (t == 0) return midpoint;
-  Vec3 wings, tips;
-  for (int side = 0; side < 2; ++side) {
-    tips = tips + x[s.tip[side]];
-    wings = wings + (x[s.wing_a[side]] + x[s.wing_b[side]]);
-  }
+  const Vec3 tips = (Vec3{} + left_tip) + right_tip;
+  const Vec3 wings = (left_wing_a + left_wing_b) + (right_wing_a + right_wing_b);
   return midpoint + t * (0.0625 * ((tips + tips) - wings));
 }
 
-/// Detail added to predictions, for edges in increasing order.
-class DetailReader {
- public:
-  DetailReader(const LevelTopology& coarse, const LevelQuantizer& quantizer,
-               const LevelCoefficients* coefficients, std::uint32_t first_edge, const Vec3* positions)
-      : coarse_(coarse), quantizer_(quantizer), positions_(positions) {
-    if (!coefficients) return;
-    normal_ = coefficients->normal.data();
-    tangential_end_ = coefficients->tangential.end();
-    tangential_ =
-        std::lower_bound(coefficients->tangential.begin(), tangential_end_, first_edge,
-                         [](const TangentialCoefficient& t, std::uint32_t edge) { return t.edge < edge; });
+/// Displaces predicted vertices. Most coefficients are zero, so this is a pass of its own.
+void add_detail(const LevelTopology& coarse, const LevelQuantizer& quantizer,
+                const LevelCoefficients& coefficients, std::uint32_t first_edge, std::uint32_t last_edge,
+                Vec3* positions) {
+  const TangentialCoefficient* tangential =
+      std::lower_bound(coefficients.tangential.begin(), coefficients.tangential.end(), first_edge,
+                       [](const TangentialCoefficient& t, std::uint32_t edge) { return t.edge < edge; });
+  const std::int32_t* const normal = coefficients.normal.data();
+  Vec3* const odd = positions + coarse.vertex_count;
+  std::uint32_t edge = first_edge;
+  while (edge < last_edge) {
+    const bool has_tangential = tangential != coefficients.tangential.end() && tangential->edge < last_edge;
+    const std::uint32_t next_tangential = has_tangential ? tangential->edge : last_edge;
+    for (; edge < next_tangential; ++edge) {
+      if (normal[edge] == 0) continue;
+      const double offset = static_cast<double>(normal[edge]) * quantizer.normal_step;
+      odd[edge] = odd[edge] + offset * odd_vertex_normal(coarse, edge, positions);
+    }
+    if (!has_tangential) break;
+    const LocalFrame frame = odd_vertex_frame(coarse, edge, positions);
+    Vec3 p = odd[edge] + (static_cast<double>(normal[edge]) * quantizer.normal_step) * frame.normal;
+    p = p + (static_cast<double>(tangential->along) * quantizer.tangential_step) * frame.along;
+    odd[edge] = p + (static_cast<double>(tangential->across) * quantizer.tangential_step) * frame.across;
+    ++tangential;
+    ++edge;
   }
-
-  /// `p` displaced; `normal()` gives the normal of the odd vertex.
-  template <class Normal>
-  Vec3 displaced(std::uint32_t edge, Vec3 p, const Normal& normal) {
-    if (!normal_) return p;
-    const std::int32_t c = normal_[edge];
-    if (tangential_ != tangential_end_ && tangential_->edge == edge) return displaced_sideways(edge, c, p);
-    if (c != 0) p = p + (static_cast<double>(c) * quantizer_.normal_step) * normal();
-    return p;
-  }
-
- private:
-  NMC_SELDOM Vec3 displaced_sideways(std::uint32_t edge, std::int32_t c, Vec3 p) {
-    const LocalFrame frame = odd_vertex_frame(coarse_, edge, positions_);
-    p = p + (static_cast<double>(c) * quantizer_.normal_step) * frame.normal;
-    p = p + (static_cast<double>(tangential_->along) * quantizer_.tangential_step) * frame.along;
-    p = p + (static_cast<double>(tangential_->across) * quantizer_.tangential_step) * frame.across;
-    ++tangential_;
-    return p;
-  }
-
-  const LevelTopology& coarse_;
-  const LevelQuantizer& quantizer_;
-  const Vec3* positions_;
-  const std::int32_t* normal_ = nullptr;
-  const TangentialCoefficient* tangential_ = nullptr;
-  const TangentialCoefficient* tangential_end_ = nullptr;
-};
-
-/// The corner of `face` at `vertex`, which it has.
-std::uint32_t corner_at(const LevelTopology& topology, std::uint32_t face, std::uint32_t vertex) {
-  const std::uint32_t* v = topology.face_vertices.data() + std::size_t{3} * face;
-  return v[0] == vertex ? 0u : v[1] == vertex ? 1u : 2u;
 }
 
-/// Beyond `edge` of `face`: the odd vertex of the next edge around `vertex`, one of its ends.
-std::uint32_t odd_vertex_beyond(const LevelTopology& parent, std::uint32_t edge, std::uint32_t face,
-                                std::uint32_t vertex) {
-  const std::uint32_t beyond = parent.face_across(edge, face);
-  const std::uint32_t* e = parent.face_edges.data() + std::size_t{3} * beyond;
-  const std::uint32_t side = e[0] == edge ? 0u : e[1] == edge ? 1u : 2u;
-  return parent.vertex_count + e[3 - side - corner_at(parent, beyond, vertex)];
+/// Whether the stencils of the halves of parent edge `e` meet a curve, so that the general rules are needed.
+bool is_curve_near(const LevelTopology& parent, std::uint32_t e, const EdgeSide sides[2]) {
+  if (!parent.has_curves()) return false;
+  const std::uint8_t* is_curve = parent.edge_is_curve.data();
+  if (is_curve[e]) return true;
+  return (is_curve[sides[0].other[0]] | is_curve[sides[0].other[1]] | is_curve[sides[1].other[0]] |
+          is_curve[sides[1].other[1]]) != 0;
+}
+
+/// What predict_odd_vertex() computes for the half `edge` = (a, b) at base vertex `corner`, extraordinary, of
+/// which the other end is an odd vertex: all around the corner are those of the parent's spokes, so that
+/// there is no walking from face to face.
+Vec3 predict_beside(const RingWeights& ring_weights, std::uint32_t corner, std::uint32_t edge,
+                    std::uint32_t level, const Vec3& a, const Vec3& b, const Vec3* middle, double t,
+                    const Vec3* x) {
+  const Vec3 midpoint = 0.5 * (a + b);
+  const std::uint32_t valence = ring_weights.valence(corner);
+  const double* s = ring_weights.of_valence(valence);
+  Vec3 sum = s[valence] * x[corner];
+  ring_weights.visit_spokes(corner, edge, level, [&](std::uint32_t i, std::uint32_t parent_edge) {
+    sum = sum + s[i] * middle[parent_edge];
+  });
+  return midpoint + t * ((Vec3{} + sum) - midpoint);
 }
 
 }  // namespace
@@ -90,12 +81,10 @@ std::uint32_t odd_vertex_beyond(const LevelTopology& parent, std::uint32_t edge,
 void reconstruct_odd_vertices(const LevelTopology& coarse, const RingWeights& ring_weights,
                               const LevelQuantizer& quantizer, const LevelCoefficients* coefficients,
                               std::uint32_t first_edge, std::uint32_t last_edge, Vec3* positions) {
-  DetailReader detail(coarse, quantizer, coefficients, first_edge, positions);
   Vec3* odd = positions + coarse.vertex_count;
-  for (std::uint32_t edge = first_edge; edge < last_edge; ++edge) {
-    const Vec3 p = predict_odd_vertex(coarse, ring_weights, edge, quantizer.tension, positions);
-    odd[edge] = detail.displaced(edge, p, [&] { return odd_vertex_normal(coarse, edge, positions); });
-  }
+  for (std::uint32_t edge = first_edge; edge < last_edge; ++edge)
+    odd[edge] = predict_odd_vertex(coarse, ring_weights, edge, quantizer.tension, positions);
+  if (coefficients) add_detail(coarse, quantizer, *coefficients, first_edge, last_edge, positions);
 }
 
 void reconstruct_odd_vertices_of_split(const LevelTopology& parent, const LevelTopology& coarse,
@@ -103,40 +92,50 @@ void reconstruct_odd_vertices_of_split(const LevelTopology& parent, const LevelT
                                        const LevelCoefficients* coefficients, std::uint32_t first_edge,
                                        std::uint32_t last_edge, Vec3* positions) {
   const Vec3* const x = positions;
-  const std::uint32_t V = parent.vertex_count, inner_begin = 2 * parent.edge_count;
-  DetailReader detail(coarse, quantizer, coefficients, first_edge, positions);
-  Vec3* odd = positions + coarse.vertex_count;
-  const auto place = [&](std::uint32_t edge, const RegularStencil& s) {
-    const Vec3 p = predict_regular(s, quantizer.tension.share, x);
-    odd[edge] = detail.displaced(
-        edge, p, [&] { return normalized(cross(x[s.b] - x[s.a], x[s.tip[0]] - x[s.tip[1]])); });
+  const Vec3* const middle = positions + parent.vertex_count;  // of the parent's edges
+  Vec3* const odd = positions + coarse.vertex_count;
+  const std::uint32_t inner_begin = 2 * parent.edge_count;
+  const double t = quantizer.tension.share;
+  const auto predict_generally = [&](std::uint32_t edge) {
+    odd[edge] = predict_odd_vertex(coarse, ring_weights, edge, quantizer.tension, x);
   };
 
   // The halves (a, m) and (m, b) of each parent edge: on both sides, the odd vertices of the face's other
-  // edges, that at a and that at b, and what lies beyond those edges.
+  // edges, that at a and that at b, and of the next edges around a and b.
   const std::uint32_t halves_end = last_edge < inner_begin ? last_edge : inner_begin;
   std::uint32_t edge = first_edge;
   while (edge < halves_end) {
-    const std::uint32_t e = edge / 2, a = parent.edge_vertices[2 * e], b = parent.edge_vertices[2 * e + 1];
-    RegularStencil at_a{a, V + e, {}, {}, {}}, at_b{V + e, b, {}, {}, {}};
-    for (int side = 0; side < 2; ++side) {
-      const std::uint32_t face = parent.edge_faces[2 * e + static_cast<std::uint32_t>(side)];
-      const std::uint32_t* edges = parent.face_edges.data() + std::size_t{3} * face;
-      const std::uint32_t edge_at_a = edges[corner_at(parent, face, b)];
-      const std::uint32_t edge_at_b = edges[corner_at(parent, face, a)];
-      at_a.tip[side] = at_b.wing_a[side] = V + edge_at_a;
-      at_b.tip[side] = at_a.wing_b[side] = V + edge_at_b;
-      at_a.wing_a[side] = odd_vertex_beyond(parent, edge_at_a, face, a);
-      at_b.wing_b[side] = odd_vertex_beyond(parent, edge_at_b, face, b);
+    const std::uint32_t e = edge / 2;
+    const EdgeSide sides[2] = {edge_side(parent, e, 0), edge_side(parent, e, 1)};
+    if (edge % 2 != 0 || edge + 1 == halves_end || is_curve_near(parent, e, sides)) {
+      predict_generally(edge++);
+      continue;
     }
-    for (; edge < halves_end && edge / 2 == e; ++edge) {
-      const RegularStencil& stencil = edge % 2 == 0 ? at_a : at_b;
-      const std::uint32_t end = edge % 2 == 0 ? a : b;
-      if (butterfly_internal::is_extraordinary(coarse, ring_weights, end)) {
-        const Vec3 p = predict_odd_vertex(coarse, ring_weights, edge, quantizer.tension, positions);
-        odd[edge] = detail.displaced(edge, p, [&] { return odd_vertex_normal(coarse, edge, positions); });
+    const Vec3& m = middle[e];
+    const Vec3* at[2][2];      // odd vertices of the other edges: side, end
+    const Vec3* around[2][2];  // and of the next edges around the ends
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      for (std::uint32_t end = 0; end < 2; ++end) {
+        const std::uint32_t other = sides[i].other[end];
+        const FaceBeyond beyond = face_beyond(parent, other, sides[i].face);
+        at[i][end] = middle + other;
+        around[i][end] = middle + (i == end ? beyond.edge_at_head : beyond.edge_at_tail);
+      }
+    }
+    for (std::uint32_t end = 0; end < 2; ++end, ++edge) {
+      const std::uint32_t corner = parent.edge_vertices[2 * e + end];
+      const Vec3 &left_tip = *at[0][end], &right_tip = *at[1][end];
+      const Vec3 &a = end == 0 ? x[corner] : m, &b = end == 0 ? m : x[corner];
+      if (butterfly_internal::is_extraordinary(coarse, ring_weights, corner)) {
+        odd[edge] = t == 0 ? 0.5 * (a + b)
+                           : predict_beside(ring_weights, corner, edge, coarse.level, a, b, middle, t, x);
       } else {
-        place(edge, stencil);
+        const Vec3 &left_far = *around[0][end], &left_near = *at[0][1 - end];
+        const Vec3 &right_far = *around[1][end], &right_near = *at[1][1 - end];
+        odd[edge] =
+            end == 0
+                ? predict_regular(t, a, b, left_tip, right_tip, left_far, left_near, right_far, right_near)
+                : predict_regular(t, a, b, left_tip, right_tip, left_near, left_far, right_near, right_far);
       }
     }
   }
@@ -144,18 +143,29 @@ void reconstruct_odd_vertices_of_split(const LevelTopology& parent, const LevelT
   // The inner edges (m_k+1, m_k+2) of each parent face: m_k and the corners around it on the left, corner k
   // and what lies beyond its two edges on the right. The ends are odd vertices, so always regular.
   while (edge < last_edge) {
-    const std::uint32_t face = (edge - inner_begin) / 3, end = inner_begin + 3 * face + 3;
+    const std::uint32_t face = (edge - inner_begin) / 3, first = inner_begin + 3 * face;
     const std::uint32_t* v = parent.face_vertices.data() + std::size_t{3} * face;
     const std::uint32_t* e = parent.face_edges.data() + std::size_t{3} * face;
-    for (; edge < last_edge && edge < end; ++edge) {
-      const std::uint32_t k = edge - inner_begin - 3 * face, k1 = k == 2 ? 0 : k + 1, k2 = k == 0 ? 2 : k - 1;
-      place(edge, {V + e[k1],
-                   V + e[k2],
-                   {V + e[k], v[k]},
-                   {v[k2], odd_vertex_beyond(parent, e[k1], face, v[k])},
-                   {v[k1], odd_vertex_beyond(parent, e[k2], face, v[k])}});
+    const bool has_curve = parent.has_curves() && (parent.edge_is_curve[e[0]] | parent.edge_is_curve[e[1]] |
+                                                   parent.edge_is_curve[e[2]]) != 0;
+    if (edge != first || first + 3 > last_edge || has_curve) {
+      predict_generally(edge++);
+      continue;
+    }
+    const Vec3* after[3];   // beyond the edge that comes after a corner
+    const Vec3* before[3];  // and beyond the one before it
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const FaceBeyond beyond = face_beyond(parent, e[k], face);
+      after[next_corner(k)] = middle + beyond.edge_at_tail;
+      before[previous_corner(k)] = middle + beyond.edge_at_head;
+    }
+    for (std::uint32_t k = 0; k < 3; ++k, ++edge) {
+      const std::uint32_t k1 = next_corner(k), k2 = previous_corner(k);
+      odd[edge] = predict_regular(t, middle[e[k1]], middle[e[k2]], middle[e[k]], x[v[k]], x[v[k2]], x[v[k1]],
+                                  *before[k], *after[k]);
     }
   }
+  if (coefficients) add_detail(coarse, quantizer, *coefficients, first_edge, last_edge, positions);
 }
 
 }  // namespace nmc

@@ -40,9 +40,9 @@ void reconstruct_odd_vertices(const LevelTopology& coarse, const RingWeights& ri
                               const LevelQuantizer& quantizer, const LevelCoefficients* coefficients,
                               std::uint32_t first_edge, std::uint32_t last_edge, Vec3* positions);
 
-/// The same bits for a level that has a coarser one, `parent`, and no curves: faster, since the stencils of
-/// an edge's two halves, and of a face's three inner edges, are found together, from a quarter of the
-/// connectivity.
+/// The same bits for a level that has a coarser one, `parent`: faster, since the stencils of an edge's two halves, and of
+/// a face's three inner edges, are found together, from a quarter of the connectivity. Stencils that meet a curve are
+/// left to the general rule.
 void reconstruct_odd_vertices_of_split(const LevelTopology& parent, const LevelTopology& coarse,
                                        const RingWeights& ring_weights, const LevelQuantizer& quantizer,
                                        const LevelCoefficients* coefficients, std::uint32_t first_edge,

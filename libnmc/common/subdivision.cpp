@@ -128,12 +128,13 @@ void add_curve_edge(std::uint32_t vertex, std::uint32_t edge, LevelTopology& top
 }  // namespace
 
 NMC_SELDOM Status build_base_topology(const std::uint32_t* face_vertices, std::uint32_t face_count,
-                           std::uint32_t vertex_count, Memory* memory, LevelTopology& topology) {
+                                      std::uint32_t vertex_count, Memory* memory, LevelTopology& topology) {
   if (face_count > kNone / 4 || vertex_count > kNone / 4) {
     return {StatusCode::kLimit, "8", "the base mesh is too large"};
   }
   topology.vertex_count = vertex_count;
   topology.base_vertex_count = vertex_count;
+  topology.level = 0;
   topology.face_count = face_count;
   if (!topology.face_vertices.resize(std::size_t{3} * face_count)) return no_memory();
   for (std::uint32_t face = 0; face < face_count; ++face) {
@@ -200,13 +201,14 @@ Status subdivide(const LevelTopology& coarse, bool faces_only, LevelTopology& fi
   fine.edge_count = 2 * E + 3 * F;
   fine.face_count = 4 * F;
   fine.base_vertex_count = coarse.base_vertex_count;
-  if (!fine.face_vertices.resize(std::size_t{12} * F)) return no_memory();
+  fine.level = coarse.level + 1;
+  if (!fine.face_vertices.resize_unset(std::size_t{12} * F)) return no_memory();
   split_faces(coarse, fine.face_vertices.data());
   if (faces_only) return ok_status();
 
-  if (!fine.face_edges.resize(std::size_t{12} * F) ||
-      !fine.edge_vertices.resize(std::size_t{2} * fine.edge_count) ||
-      !fine.edge_faces.resize(std::size_t{2} * fine.edge_count)) {
+  if (!fine.face_edges.resize_unset(std::size_t{12} * F) ||
+      !fine.edge_vertices.resize_unset(std::size_t{2} * fine.edge_count) ||
+      !fine.edge_faces.resize_unset(std::size_t{2} * fine.edge_count)) {
     return no_memory();
   }
   for (std::uint32_t e = 0; e < E; ++e) {

@@ -58,7 +58,8 @@ constexpr const char* kNull = "a pointer is null";
 constexpr const char* kNoHeader = "the header is not complete yet";
 constexpr const char* kNoAttribute = "the stream has no such attribute";
 
-/// The vertices of `level` are `vertex_count`, and `stride` can hold `value_count` values of `value_size` bytes.
+/// The vertices of `level` are `vertex_count`, and `stride` can hold `value_count` values of `value_size`
+/// bytes.
 nmc_status check_output(const nmc_decoder* decoder, uint32_t level, const void* values,
                         std::size_t value_size, std::size_t value_count, std::size_t stride,
                         uint32_t vertex_count) {
@@ -79,22 +80,22 @@ float to_float(double value) {
   return static_cast<float>(value > kLargest ? kLargest : value < -kLargest ? -kLargest : value);
 }
 
+inline void convert(double value, float& output) { output = to_float(value); }
+inline void convert(double value, double& output) { output = value; }
+
 template <class Value>
 void write_positions(const nmc::Vec3* positions, uint32_t vertex_count, Value* output, std::size_t stride) {
   const std::size_t step = stride / sizeof(Value);
-  for (std::size_t v = 0; v < vertex_count; ++v) {
-    for (int k = 0; k < 3; ++k) {
-      if constexpr (sizeof(Value) == sizeof(float)) {
-        output[v * step + k] = to_float(positions[v][k]);
-      } else {
-        output[v * step + k] = positions[v][k];
-      }
-    }
+  for (std::size_t v = 0; v < vertex_count; ++v, output += step) {
+    convert(positions[v].x, output[0]);
+    convert(positions[v].y, output[1]);
+    convert(positions[v].z, output[2]);
   }
 }
 
-/// Components of the attribute as the user knows them: red, green and blue from luma and chroma. A fourth one that
-/// the attribute does not have is its largest value. `scaled_from_bits` above 0: values are brought to eight bits.
+/// Components of the attribute as the user knows them: red, green and blue from luma and chroma. A fourth one
+/// that the attribute does not have is its largest value. `scaled_from_bits` above 0: values are brought to
+/// eight bits.
 template <class Value>
 void write_attribute(const nmc::AttributeDescriptor& descriptor, const std::int16_t* coded, uint32_t count,
                      uint32_t vertex_count, Value* output, std::size_t stride, int scaled_from_bits) {
@@ -109,8 +110,9 @@ void write_attribute(const nmc::AttributeDescriptor& descriptor, const std::int1
       nmc::rgb_from_luma_chroma(luma_chroma, largest, own);
     }
     for (uint32_t c = 0; c < count; ++c) {
-      const std::int32_t value =
-          scaled_from_bits > 0 && scaled_from_bits != 8 ? (2 * 255 * own[c] + largest) / (2 * largest) : own[c];
+      const std::int32_t value = scaled_from_bits > 0 && scaled_from_bits != 8
+                                     ? (2 * 255 * own[c] + largest) / (2 * largest)
+                                     : own[c];
       output[v * step + c] = static_cast<Value>(value);
     }
   }
@@ -436,7 +438,8 @@ nmc_status nmc_decoder_read_offsets(nmc_decoder* decoder, uint32_t level, float*
     if (mesh.layer_of_level(static_cast<int>(l)) < 0) break;
     const nmc::LevelCoefficients& coefficients = mesh.coefficients(static_cast<int>(l));
     const double step = mesh.current_quantizer(static_cast<int>(l)).normal_step;
-    // The odd vertex of edge e of a level is vertex V + e of the next one, so both arrays are filled in order.
+    // The odd vertex of edge e of a level is vertex V + e of the next one, so both arrays are filled in
+    // order.
     const std::size_t first = mesh.topology(static_cast<int>(l)).vertex_count;
     const std::size_t room = vertex_count > first ? vertex_count - first : 0;
     for (std::size_t e = 0; normal_offsets && e < coefficients.normal.size() && e < room; ++e) {
@@ -500,8 +503,9 @@ nmc_status nmc_decoder_read_attribute(nmc_decoder* decoder, uint32_t index, uint
   const int number = static_cast<int>(index);
   const nmc::Status updated = decoder->stream.update_attribute(number, static_cast<int>(level));
   if (!updated.ok()) return record(decoder, updated);
-  write_attribute(decoder->stream.header().attributes[index], decoder->stream.mesh().attribute(number).values(),
-                  attribute.component_count, vertex_count, values, stride, 0);
+  write_attribute(decoder->stream.header().attributes[index],
+                  decoder->stream.mesh().attribute(number).values(), attribute.component_count, vertex_count,
+                  values, stride, 0);
   return NMC_OK;
 }
 
@@ -536,7 +540,8 @@ nmc_status nmc_decoder_attribute_hash(nmc_decoder* decoder, uint32_t index, uint
   const int number = static_cast<int>(index);
   const nmc::Status updated = decoder->stream.update_attribute(number, static_cast<int>(level));
   if (!updated.ok()) return record(decoder, updated);
-  *hash = decoder->stream.mesh().attribute(number).hash(decoder->stream.header().attributes[index], vertex_count);
+  *hash =
+      decoder->stream.mesh().attribute(number).hash(decoder->stream.header().attributes[index], vertex_count);
   return NMC_OK;
 }
 

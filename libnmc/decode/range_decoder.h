@@ -9,6 +9,13 @@
 #include "libnmc/common/status.h"
 #include "libnmc/common/stop_request.h"
 
+// An empty statement that the compiler may not carry out in both branches at once.
+#if defined(__GNUC__)
+#define NMC_KEEP_BRANCH __asm__ volatile("")
+#else
+#define NMC_KEEP_BRANCH static_cast<void>(0)
+#endif
+
 namespace nmc {
 
 /// Reads one entropy-coded payload. Past its end it reads zeros, which a valid payload needs up to four
@@ -27,11 +34,17 @@ class RangeDecoder {
   int code(int, std::uint32_t probability_16) {
     const std::uint32_t middle =
         low_ + static_cast<std::uint32_t>((static_cast<std::uint64_t>(high_ - low_) * probability_16) >> 16);
-    const int bit = value_ <= middle;
-    // Without a branch: nothing predicts these bits.
-    const std::uint32_t taken = 0u - static_cast<std::uint32_t>(bit);
-    high_ = (middle & taken) | (high_ & ~taken);
-    low_ = (low_ & taken) | ((middle + 1) & ~taken);
+    // A branch, and kept one: where a surface is quiet it is predicted, and the next decision need not wait
+    // for this one.
+    int bit = 0;
+    if (value_ <= middle) {
+      NMC_KEEP_BRANCH;
+      high_ = middle;
+      bit = 1;
+    } else {
+      NMC_KEEP_BRANCH;
+      low_ = middle + 1;
+    }
     while (((low_ ^ high_) & 0xff000000u) == 0) {
       low_ <<= 8;
       high_ = (high_ << 8) | 255u;

@@ -10,6 +10,13 @@
 
 namespace nmc {
 
+// In coefficient_decoder.cpp.
+extern template Status CoefficientModel::code_level<RangeDecoder>(RangeDecoder&, Memory*, int,
+                                                                  const LevelTopology*, const LevelTopology&,
+                                                                  const std::int32_t*,
+                                                                  const LevelCoefficients*,
+                                                                  LevelCoefficients&);
+
 namespace {
 
 constexpr std::size_t kChecksumSize = 4;
