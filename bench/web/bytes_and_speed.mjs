@@ -1,61 +1,129 @@
 // SPDX-License-Identifier: Apache-2.0
 // Figures for docs/web.md, as tables in Markdown.
-//   node bench/web/bytes_and_speed.mjs --bytes SCAN...     bytes that must arrive until the screen shows an RMS error of
-//     1, 0.1 and 0.02 % of the diagonal: nmc by its layers, the others whole files, each the smallest of a sweep of
-//     simplification (gltfpack -si, quadrics) and bits per coordinate that reaches the error
-//   node bench/web/bytes_and_speed.mjs --speed STREAM       decoding: native, WebAssembly, Draco's WebAssembly, in one run
-// Programs by environment: NMC_ENCODE, NMC_DECODE, NMC_COMPARE. Install tests/web, viewer and decoder/js first.
-import { mkdirSync, readFileSync, statSync } from 'node:fs';
+//   node bench/web/bytes_and_speed.mjs --bytes SCAN...    bytes that must arrive until the screen shows an RMS error of 1,
+//     0.1 and 0.02 % of the diagonal. nmc: prefixes of one stream, by its layers. The others show nothing before their
+//     end, so each gets a file of its own for each error, the smallest over simplification (gltfpack -si, quadrics, in
+//     steps of a sixth) and bits per coordinate that reaches it when it is decoded and measured; meshopt and plain GLB
+//     with brotli on the way.
+//   node bench/web/bytes_and_speed.mjs --speed STREAM [DRACO_GLB] ...    time of decoding in one run of chromium: nmc and
+//     Draco by WebAssembly, of the stream's own mesh and of a file of equal error; and native code
+// Programs by environment: NMC_ENCODE, NMC_DECODE, NMC_COMPARE, CHROMIUM. NMC_BENCH_FOLDER keeps the files, and a stream
+// that is there is used again; NMC_ENCODE_OPTIONS. Install tests/web, viewer and decoder/js first.
+import assert from 'node:assert/strict';
+import { existsSync, mkdirSync, readFileSync, renameSync, statSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { basename, extname, join } from 'node:path';
 import { pathToFileURL } from 'node:url';
+import { brotliCompressSync } from 'node:zlib';
 
 import { decode, NmcDecoder } from '../../decoder/js/nmc-decoder.mjs';
-import { program, root, run, temporaryFolder, writeDracoGlb, writeMeshoptGlb } from '../../tests/web/harness.mjs';
-import { readScan, simplifyGlb, writePlainGlb } from '../../tests/web/meshes.mjs';
+import { program, root, run, startBrowser, temporaryFolder, writeDracoGlb, writeMeshoptGlb } from '../../tests/web/harness.mjs';
+import { readPlain, readScan, simplifyGlb, writePlainGlb } from '../../tests/web/meshes.mjs';
 
-const folder = temporaryFolder();
+const folder = process.env.NMC_BENCH_FOLDER ?? temporaryFolder();
+mkdirSync(folder, { recursive: true });
+const requireFromTests = createRequire(join(root, 'tests/web/package.json'));
 
 const LIMITS = [1, 0.1, 0.02];
-const SHARES = (process.env.NMC_SHARES ?? '1 0.3 0.1 0.03 0.01 0.004').split(' ').map(Number);
+const BITS = [8, 9, 10, 11, 12, 13, 14];
+const shareOf = (step) => (5 / 6) ** step;
+const MOST_STEPS = 47;
 
 /** RMS distance to the scan in percent of its diagonal. */
 function errorOf(scan, path) {
   return 100 * JSON.parse(run(program('NMC_COMPARE', 'nmc-compare'), [scan, path, '--json'])).relativeRms;
 }
 
+/** The smallest files of each kind for an error; bytes are those that cross the network. */
+class Peers {
+  #scan;
+  #at;
+  #errors = [];
+  #gridShare;
+
+  constructor(scan, name, { positions, indices }) {
+    this.#scan = scan;
+    this.#at = (suffix) => join(folder, `${name}${suffix}`);
+    writePlainGlb(this.#at('.glb'), { positions, indices });
+    const [min, max] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+    positions.forEach((x, i) => {
+      min[i % 3] = Math.min(min[i % 3], x);
+      max[i % 3] = Math.max(max[i % 3], x);
+    });
+    const sides = min.map((low, k) => max[k] - low);
+    this.#gridShare = Math.max(...sides) / Math.hypot(...sides);
+  }
+  /** Positions and indices alone, after so many steps of simplification. */
+  #simplified(step) {
+    const path = this.#at(`.${step}.glb`);
+    if (!existsSync(path)) simplifyGlb(this.#at('.glb'), path, shareOf(step));
+    return path;
+  }
+  #errorAfter(step) {
+    this.#errors[step] ??= errorOf(this.#scan, this.#simplified(step));
+    return this.#errors[step];
+  }
+  /** The most steps that keep the error, by bisection; -1 when none does. */
+  #stepsFor(limit) {
+    let [low, high] = [-1, MOST_STEPS + 1];
+    while (high - low > 1) {
+      const middle = Math.floor((low + high) / 2);
+      if (this.#errorAfter(middle) <= limit) low = middle;
+      else high = middle;
+    }
+    return low;
+  }
+
+  plain(limit) {
+    const steps = this.#stepsFor(limit);
+    return steps < 0 ? Infinity : Math.min(statSync(this.#simplified(steps)).size, brotliSize(this.#simplified(steps)));
+  }
+  /** `write(input, output, bits)` makes the file, which stays as NAME.KIND.LIMIT.glb. */
+  async quantized(kind, limit, write, sizeOf) {
+    const trial = this.#at('.trial.glb');
+    const kept = this.#at(`.${kind}.${limit}.glb`);
+    let best = Infinity;
+    for (const bits of BITS) {
+      // Rounding to a grid moves a surface along its normal by a cell over the root of 12.
+      const grid = (100 * this.#gridShare) / 2 ** bits / Math.sqrt(12);
+      if (grid >= limit) continue;
+      for (let steps = this.#stepsFor(Math.sqrt(limit ** 2 - grid ** 2)); steps >= 0; --steps) {
+        await write(this.#simplified(steps), trial, bits);
+        const size = sizeOf(trial);
+        if (size >= best) break;
+        writePlainGlb(this.#at('.decoded.glb'), await readPlain(trial));
+        if (errorOf(this.#scan, this.#at('.decoded.glb')) > limit) continue;
+        best = size;
+        renameSync(trial, kept);
+        break;
+      }
+    }
+    return best;
+  }
+}
+
+const brotliSize = (path) => brotliCompressSync(readFileSync(path)).length;
+
 async function bytesTable(scans) {
+  const options = (process.env.NMC_ENCODE_OPTIONS ?? '--rms-error 0.02% --layers 3').split(' ');
+  console.log(`nmc-encode ${options.join(' ')}\n`);
   console.log('| scan | RMS | nmc | Draco GLB | meshopt GLB | plain GLB |\n|---|--:|--:|--:|--:|--:|');
   for (const scan of scans) {
     const name = basename(scan, extname(scan));
-    const at = (suffix) => join(folder, `${name}${suffix}`);
-    const best = Object.fromEntries(LIMITS.map((limit) => [limit, { nmc: Infinity, draco: Infinity, meshopt: Infinity, plain: Infinity }]));
-    const keep = (kind, bytes, error) => {
-      for (const limit of LIMITS) if (error <= limit) best[limit][kind] = Math.min(best[limit][kind], bytes);
-    };
-    run(program('NMC_ENCODE', 'nmc-encode'), [scan, '-o', at('.nmc'), '-f', '--rms-error', '0.02%', '--layers', '3',
-      '-e', process.env.NMC_EFFORT ?? '5', '--quiet']);
-    const { layers, diagonal } = (await header(at('.nmc')));
-    for (const { bytes, rmsError } of layers) keep('nmc', bytes, (100 * rmsError) / diagonal);
-    writePlainGlb(at('.glb'), await readScan(scan));
-    for (const share of SHARES) {
-      // Without quantization and compression first, so that the error is that of the simplification.
-      simplifyGlb(at('.glb'), at('.s.glb'), share);
-      const error = errorOf(scan, at('.s.glb'));
-      keep('plain', statSync(at('.s.glb')).size, error);
-      for (const bits of [10, 12, 14]) {
-        // A grid of 2^bits cells along the box adds about 0.29 of a cell.
-        const sum = Math.hypot(error, 29 / 2 ** bits);
-        await writeDracoGlb(at('.s.glb'), at('.d.glb'), bits);
-        keep('draco', statSync(at('.d.glb')).size, sum);
-        writeMeshoptGlb(at('.s.glb'), at('.m.glb'), { bits });
-        keep('meshopt', statSync(at('.m.glb')).size, sum);
-      }
-    }
-    const kilobytes = (bytes) => (bytes === Infinity ? '–' : `${(bytes / 1e3).toPrecision(3)} kB`);
+    const stream = join(folder, `${name}.nmc`);
+    if (!existsSync(stream)) run(program('NMC_ENCODE', 'nmc-encode'), [scan, '-o', stream, '--quiet', ...options]);
+    const { layers, diagonal } = await header(stream);
+    const peers = new Peers(scan, name, await readScan(scan));
+    const kilobytes = (bytes) => (Number.isFinite(bytes) ? `${(bytes / 1e3).toPrecision(3)} kB` : '–');
     for (const limit of LIMITS) {
-      const { nmc, draco, meshopt, plain } = best[limit];
-      console.log(`| ${name} | ${limit} % | ${[nmc, draco, meshopt, plain].map(kilobytes).join(' | ')} |`);
+      const row = layers.find(({ rmsError }) => rmsError !== undefined && (100 * rmsError) / diagonal <= limit * 1.0005);
+      const sizes = [
+        row?.bytes ?? Infinity,
+        await peers.quantized('draco', limit, writeDracoGlb, (path) => statSync(path).size),
+        await peers.quantized('meshopt', limit, (input, output, bits) => writeMeshoptGlb(input, output, { bits }), brotliSize),
+        peers.plain(limit),
+      ];
+      console.log(`| ${name} | ${limit} % | ${sizes.map(kilobytes).join(' | ')} |`);
     }
   }
 }
@@ -69,60 +137,127 @@ async function header(path) {
   return result;
 }
 
-const best = async (times, work) => {
-  let least = Infinity;
-  for (let i = 0; i < times; ++i) {
-    const begin = performance.now();
-    await work();
-    least = Math.min(least, performance.now() - begin);
-  }
-  return least;
-};
-
-async function speedTable(stream) {
-  const bytes = new Uint8Array(readFileSync(stream));
-  let mesh = null;
-  const wasm = await best(5, async () => { mesh = await decode(bytes); });
-  const triangles = mesh.indices.length / 3;
-  const said = run(program('NMC_DECODE', 'nmc-decode'), [stream, '--repeat', '5', '--no-output']);
-  const draco3d = (await import(pathToFileURL(createRequire(join(root, 'tests/web/package.json')).resolve('draco3d')).href)).default;
-  const encoderModule = await draco3d.createEncoderModule();
-  const encoder = new encoderModule.Encoder();
-  const builder = new encoderModule.MeshBuilder();
-  const input = new encoderModule.Mesh();
-  builder.AddFacesToMesh(input, triangles, mesh.indices);
-  builder.AddFloatAttributeToMesh(input, encoderModule.POSITION, mesh.positions.length / 3, 3, mesh.positions);
-  encoder.SetEncodingMethod(encoderModule.MESH_EDGEBREAKER_ENCODING);
-  encoder.SetAttributeQuantization(encoderModule.POSITION, 14);
+/** A mesh as Draco's own file: 14 bits, edgebreaker, the default speed. */
+async function dracoOf({ positions, indices }) {
+  const module = await (await import(pathToFileURL(requireFromTests.resolve('draco3d')).href)).default.createEncoderModule();
+  const encoder = new module.Encoder();
+  const builder = new module.MeshBuilder();
+  const mesh = new module.Mesh();
+  builder.AddFacesToMesh(mesh, indices.length / 3, indices);
+  builder.AddFloatAttributeToMesh(mesh, module.POSITION, positions.length / 3, 3, positions);
+  encoder.SetEncodingMethod(module.MESH_EDGEBREAKER_ENCODING);
+  encoder.SetAttributeQuantization(module.POSITION, 14);
   encoder.SetSpeedOptions(5, 5);
-  const output = new encoderModule.DracoInt8Array();
-  const size = encoder.EncodeMeshToDracoBuffer(input, output);
-  const packed = Int8Array.from({ length: size }, (_, i) => output.GetValue(i));
-  const decoderModule = await draco3d.createDecoderModule();
-  const draco = await best(5, () => {
-    const decoder = new decoderModule.Decoder();
-    const result = new decoderModule.Mesh();
-    decoder.DecodeArrayToMesh(packed, packed.length, result);
-    const at = decoderModule._malloc(triangles * 12);
-    decoder.GetTrianglesUInt32Array(result, triangles * 12, at);
-    decoderModule._free(at);
-    decoderModule.destroy(result);
-    decoderModule.destroy(decoder);
-  });
-  const row = (name, milliseconds, length) =>
-    console.log(`| ${name} | ${length} | ${milliseconds.toFixed(0)} | ${(triangles / milliseconds / 1e3).toFixed(1)} |`);
-  console.log(`${triangles} triangles\n\n| decoder | bytes | ms | million triangles a second |\n|---|--:|--:|--:|`);
-  row('nmc, WebAssembly', wasm, bytes.length);
-  row('Draco, WebAssembly, same mesh', draco, size);
-  console.log(`nmc-decode: ${said.trim()}`);
+  const output = new module.DracoInt8Array();
+  const size = encoder.EncodeMeshToDracoBuffer(mesh, output);
+  return Int8Array.from({ length: size }, (_, i) => output.GetValue(i));
+}
+/** The Draco file inside a GLB of one mesh. */
+function dracoInside(path) {
+  const file = readFileSync(path);
+  const size = file.readUInt32LE(12);
+  const { meshes, bufferViews } = JSON.parse(file.toString('utf8', 20, 20 + size));
+  const [primitive] = meshes[0].primitives;
+  assert.equal(meshes.length * meshes[0].primitives.length, 1);
+  const { byteOffset = 0, byteLength } = bufferViews[primitive.extensions.KHR_draco_mesh_compression.bufferView];
+  return file.subarray(28 + size + byteOffset, 28 + size + byteOffset + byteLength);
 }
 
-mkdirSync(folder, { recursive: true });
+/** A page whose files come from here: `open()` gives it, with both decoders loaded. */
+async function openPage(browser, files) {
+  const page = await browser.newPage();
+  const draco = join(root, 'tests/web/node_modules/draco3d');
+  const pages = {
+    '/': ['text/html', '<!doctype html><title>bench</title><script src="/draco.js"></script>'],
+    '/nmc-decoder.mjs': ['text/javascript', readFileSync(join(root, 'decoder/js/nmc-decoder.mjs'))],
+    '/draco.js': ['text/javascript', readFileSync(join(draco, 'draco_decoder_nodejs.js'))],
+    '/draco.wasm': ['application/wasm', readFileSync(join(draco, 'draco_decoder.wasm'))],
+  };
+  for (const [name, bytes] of Object.entries(files)) pages[`/${name}`] = ['application/octet-stream', Buffer.from(bytes)];
+  await page.route('**/*', (route) => {
+    const [contentType, body] = pages[new URL(route.request().url()).pathname] ?? [];
+    return body ? route.fulfill({ contentType, body }) : route.fulfill({ status: 404 });
+  });
+  await page.goto('http://localhost/');
+  return page;
+}
+
+/** In the page: the best times in milliseconds. */
+async function timeInPage({ hasEqualError }) {
+  const bytesOf = async (name) => new Uint8Array(await (await fetch(name)).arrayBuffer());
+  const best = async (work) => {
+    let least = Infinity;
+    const end = performance.now() + 3000;
+    for (let i = 0; i < 15 || performance.now() < end; ++i) {
+      const begin = performance.now();
+      await work();
+      least = Math.min(least, performance.now() - begin);
+    }
+    return least;
+  };
+  const { decode: decodeNmc } = await import('/nmc-decoder.mjs');
+  const stream = await bytesOf('/stream');
+  const module = await globalThis.DracoDecoderModule({ wasmBinary: await bytesOf('/draco.wasm') });
+  let triangles = 0;
+  const dracoTime = (bytes) => best(() => {
+    const decoder = new module.Decoder();
+    const mesh = new module.Mesh();
+    decoder.DecodeArrayToMesh(new Int8Array(bytes.buffer), bytes.length, mesh);
+    triangles = mesh.num_faces();
+    // As three.js reads it: indices and positions, copied out.
+    const size = 4 * Math.max(3 * triangles, 3 * mesh.num_points());
+    const at = module._malloc(size);
+    decoder.GetTrianglesUInt32Array(mesh, 12 * triangles, at);
+    new Uint32Array(module.HEAPU8.buffer, at, 3 * triangles).slice();
+    const attribute = decoder.GetAttribute(mesh, decoder.GetAttributeId(mesh, module.POSITION));
+    decoder.GetAttributeDataArrayForAllPoints(mesh, attribute, module.DT_FLOAT32, 12 * mesh.num_points(), at);
+    new Float32Array(module.HEAPU8.buffer, at, 3 * mesh.num_points()).slice();
+    module._free(at);
+    module.destroy(mesh);
+    module.destroy(decoder);
+  });
+  const result = {
+    nmc: await best(() => decodeNmc(stream)),
+    withNormals: await best(() => decodeNmc(stream, { normals: true })),
+    draco: await dracoTime(await bytesOf('/draco')),
+  };
+  if (hasEqualError) Object.assign(result, { equal: await dracoTime(await bytesOf('/equal')), equalTriangles: triangles });
+  return result;
+}
+
+async function speedTable(files) {
+  // Optimized from the first call on: otherwise it depends on the machine's other work when V8 gets to it.
+  const browser = await startBrowser(['--js-flags=--no-liftoff']);
+  console.log('| stream | decoder | bytes | triangles | ms | million triangles a second |\n|---|---|--:|--:|--:|--:|');
+  for (let i = 0; i < files.length; ++i) {
+    const name = basename(files[i], '.nmc');
+    const stream = new Uint8Array(readFileSync(files[i]));
+    const mesh = await decode(stream);
+    const triangles = mesh.indices.length / 3;
+    const same = await dracoOf(mesh);
+    const equal = files[i + 1]?.endsWith('.glb') ? dracoInside(files[++i]) : null;
+    const said = run(program('NMC_DECODE', 'nmc-decode'), [files[equal ? i - 1 : i], '--repeat', '15', '--no-output']);
+    const native = Number(/ in ([0-9.]+) ms /.exec(said)?.[1]);
+    assert.ok(native > 0, said);
+    const page = await openPage(browser, { stream, draco: same, ...(equal ? { equal } : {}) });
+    const times = await page.evaluate(timeInPage, { hasEqualError: Boolean(equal) });
+    await page.close();
+    const row = (decoder, bytes, count, milliseconds) => console.log(`| ${name} | ${decoder} | ${bytes} | ${count} | ` +
+      `${milliseconds.toPrecision(3)} | ${(count / milliseconds / 1e3).toPrecision(2)} |`);
+    row('nmc, native', stream.length, triangles, native);
+    row('nmc, WebAssembly', stream.length, triangles, times.nmc);
+    row('nmc, WebAssembly, with normals', stream.length, triangles, times.withNormals);
+    row('Draco, WebAssembly, the same mesh', same.length, triangles, times.draco);
+    if (equal) row('Draco, WebAssembly, the scan simplified to the same error', equal.length, times.equalTriangles, times.equal);
+  }
+  await browser.close();
+}
+
 const [mode, ...files] = process.argv.slice(2);
 if (mode === '--bytes' && files.length > 0) await bytesTable(files);
-else if (mode === '--speed' && files.length === 1) await speedTable(files[0]);
+else if (mode === '--speed' && files.length > 0) await speedTable(files);
 else {
-  console.error('usage: bytes_and_speed.mjs --bytes SCAN... | --speed STREAM');
+  console.error('usage: bytes_and_speed.mjs --bytes SCAN... | --speed STREAM [DRACO_GLB] ...');
   process.exit(1);
 }
 process.exit(0);

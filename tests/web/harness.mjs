@@ -124,11 +124,11 @@ export async function startBreakingProxy(port, cut, path) {
 }
 
 /** Chromium without a screen; WebGL in software, so that it needs no graphics card. */
-export function startBrowser() {
+export function startBrowser(moreArguments = []) {
   return chromium.launch({
     executablePath: program('CHROMIUM', 'chromium'),
     args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist',
-      '--disable-dev-shm-usage'],
+      '--disable-dev-shm-usage', ...moreArguments],
   });
 }
 
@@ -251,6 +251,6 @@ export async function writeDracoGlb(input, output, bits = 14) {
 
 /** meshopt inside a GLB, by gltfpack: positions of `bits` bits. `simplify`: the share of triangles that is kept. */
 export function writeMeshoptGlb(input, output, { bits = 14, simplify = 1 } = {}) {
-  const share = simplify < 1 ? ['-si', String(simplify)] : [];
-  run(process.execPath, [join(here, 'node_modules/gltfpack/cli.js'), '-i', input, '-o', output, '-c', '-vp', String(bits), ...share]);
+  const share = simplify < 1 ? ['-si', String(simplify), '-se', '1'] : [];
+  run(process.execPath, [join(here, 'node_modules/gltfpack/cli.js'), '-i', input, '-o', output, '-cc', '-vp', String(bits), ...share]);
 }

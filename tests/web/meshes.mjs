@@ -62,9 +62,33 @@ export function writePlainGlb(path, { positions, indices }) {
     Buffer.from(indices.buffer)]));
 }
 
+/** Positions and triangles of a GLB of one mesh, plain, Draco or meshopt, in the space of the scene. */
+export async function readPlain(path) {
+  const { NodeIO } = await import('@gltf-transform/core');
+  const { ALL_EXTENSIONS } = await import('@gltf-transform/extensions');
+  const draco3d = (await import('draco3d')).default;
+  const { MeshoptDecoder } = await fromViewer('three/addons/libs/meshopt_decoder.module.js');
+  await MeshoptDecoder.ready;
+  const io = new NodeIO().registerExtensions(ALL_EXTENSIONS)
+    .registerDependencies({ 'draco3d.decoder': await draco3d.createDecoderModule(), 'meshopt.decoder': MeshoptDecoder });
+  const document = await io.read(path);
+  const [node] = document.getRoot().listNodes().filter((each) => each.getMesh());
+  const [primitive] = node.getMesh().listPrimitives();
+  const matrix = node.getWorldMatrix();
+  const position = primitive.getAttribute('POSITION');
+  const positions = new Float32Array(3 * position.getCount());
+  for (let v = 0, at = []; v < position.getCount(); ++v) {
+    position.getElement(v, at);
+    for (let k = 0; k < 3; ++k) {
+      positions[3 * v + k] = matrix[k] * at[0] + matrix[4 + k] * at[1] + matrix[8 + k] * at[2] + matrix[12 + k];
+    }
+  }
+  return { positions, indices: Uint32Array.from(primitive.getIndices().getArray()) };
+}
+
 /** gltfpack's simplification alone, by quadrics: positions stay in single precision. */
 export function simplifyGlb(input, output, share) {
-  run(process.execPath, [join(here, 'node_modules/gltfpack/cli.js'), '-i', input, '-o', output, '-noq', '-si', String(share)]);
+  run(process.execPath, [join(here, 'node_modules/gltfpack/cli.js'), '-i', input, '-o', output, '-noq', '-si', String(share), '-se', '1']);
 }
 
 /** A Draco GLB of at most `bytes`, simplified from `triangles` until it fits. Returns its size. */
