@@ -40,8 +40,11 @@ double valence_penalty(int valence) {
   return 1;
 }
 
-/// Extremities are sought when this many vertices are left, or six times the largest base.
-constexpr std::size_t kExtremityLevel = 3000;
+/// Extremities are sought when this many vertices are left: larger bases keep them by their quadrics alone.
+constexpr std::size_t kExtremityLevel = 30000;
+/// Bases larger than this need no even valences: hardly any level stands on them. Held all the way down from the
+/// surface, a valence of at least four makes poor bases of crumpled surfaces (twice the bytes on a dragon's scales).
+constexpr std::size_t kStrictLevel = 3000;
 
 class Collapser {
  public:
@@ -69,14 +72,11 @@ class Collapser {
       if (table_.corner_at(v) != kNone && history_.kinds[v] != VertexKind::kLocked)
         queue_.set(v, hoped_cost(v));
     const std::size_t start_count = live_count_;
-    std::size_t extremity_level = kExtremityLevel;
-    for (const int size : base_sizes)
-      extremity_level = std::max(extremity_level, static_cast<std::size_t>(6 * std::max(size, 1)));
     for (const std::size_t index : order) {
       const auto target = static_cast<std::size_t>(std::max(base_sizes[index], 1));
       while (live_count_ > target) {
-        strict_ = live_count_ < 2 * target;
-        if (!extremities_found_ && live_count_ <= extremity_level) protect_extremities();
+        strict_ = live_count_ < 2 * target && live_count_ <= kStrictLevel;
+        if (!extremities_found_ && live_count_ <= kExtremityLevel) protect_extremities();
         while (protected_count_ > 0 && static_cast<double>(protected_count_) >
                                            options_.extremity_share * static_cast<double>(live_count_)) {
           const std::uint32_t v = extremities_[--protected_count_];

@@ -56,7 +56,7 @@ struct SearchPlan {
   int trials_per_candidate;
 };
 SearchPlan plan_of(int effort) {
-  constexpr SearchPlan kPlans[9] = {{0, 3}, {0, 4}, {0, 5}, {1, 3}, {1, 4}, {2, 5}, {3, 6}, {5, 6}, {8, 8}};
+  constexpr SearchPlan kPlans[9] = {{0, 3}, {0, 4}, {1, 4}, {2, 4}, {3, 4}, {4, 5}, {5, 6}, {7, 6}, {10, 8}};
   return kPlans[std::clamp(effort, 1, 9) - 1];
 }
 
@@ -374,49 +374,75 @@ class MeshEncoder {
                                                      : a.trial.byte_count < b.trial.byte_count;
   }
 
-  /// Hill climbing over the base sizes: bytes at equal error have one minimum over them.
+  /// Puts `outcome` in the place of the best where it is better.
+  bool take_if_better(Outcome outcome) {
+    if (!better(outcome, best_)) return false;
+    best_ = std::move(outcome);
+    return true;
+  }
+
+  bool is_whole_surface(std::size_t base_index) const {
+    return base_sizes_[base_index] == static_cast<int>(surface_.vertex_count());
+  }
+
   void choose() {
     std::size_t index = first_base_index();
     best_ = evaluate(index);
-    int left = plan_.extra_candidates;
-    // Butterflies swing beyond creases: where there are many, midpoints may predict better.
-    if (sharp_edge_share(surface_) > 0.025) {
-      tension_ = 0;
-      Outcome flat = evaluate(index);
-      if (better(flat, best_))
-        best_ = std::move(flat);
-      else
-        tension_ = 1;
-    }
     // A target out of reach: more base vertices see more features, another level resolves them.
-    int missed = 0;
-    while (!best_.met && !(options_.base_vertex_count && options_.level_count)) {
+    for (int missed = 0; !best_.met && !(options_.base_vertex_count && options_.level_count); ++missed) {
       if (index + 1 == base_sizes_.size() && finer_ > 16) break;
       step_guess_ = 0;
-      index = std::min(index + (missed < 2 ? 1 : 3), base_sizes_.size() - 1);
+      const bool far = missed >= 2 || target_ratio(options_.target, best_.trial) > 1.5;
+      index = std::min(index + (far ? 3 : 1), base_sizes_.size() - 1);
       finer_ *= missed < 2 ? 2.5 : 1.5;
-      ++missed;
-      if (index + 1 == base_sizes_.size() && base_sizes_.back() == static_cast<int>(surface_.vertex_count())) {
-        tension_ = 0;  // the base is the surface itself: nothing is left to predict
+      if (is_whole_surface(index)) {
+        tension_ = 0;  // nothing is left to predict
         finer_ = 32;   // and nothing is left to try
       }
-      Outcome next = evaluate(index);
-      if (better(next, best_)) best_ = std::move(next);
+      take_if_better(evaluate(index));
+    }
+    // Butterflies swing beyond creases: where there are many, midpoints may predict better.
+    if (tension_ > 0 && sharp_edge_share(surface_) > 0.025) {
+      tension_ = 0;
+      if (!take_if_better(evaluate(best_.base_index))) tension_ = 1;
     }
     if (!best_.met) return;
-    for (const int direction : {1, -1}) {
-      bool moved = false;
-      while (left > 0) {
-        const auto next_index = static_cast<std::ptrdiff_t>(best_.base_index) + direction;
-        if (next_index < 0 || next_index >= static_cast<std::ptrdiff_t>(base_sizes_.size())) break;
-        --left;
-        Outcome next = evaluate(static_cast<std::size_t>(next_index));
-        if (!better(next, best_)) break;
-        best_ = std::move(next);
-        moved = true;
+    if (!prefers_large_bases()) climb(plan_.extra_candidates);
+  }
+
+  /// Hill climbing over the base sizes, from the best so far: around it bytes at equal error have one minimum.
+  void climb(int candidate_count) {
+    const std::size_t start = best_.base_index;
+    for (const std::ptrdiff_t direction : {1, -1}) {
+      for (; candidate_count > 0; --candidate_count) {
+        const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(best_.base_index) + direction;
+        if (next < 0 || next >= static_cast<std::ptrdiff_t>(base_sizes_.size())) break;
+        if (!take_if_better(evaluate(static_cast<std::size_t>(next)))) break;
       }
-      if (moved) break;  // the minimum lies on this side
+      if (candidate_count > 0) --candidate_count;  // the one that ended this side
+      if (best_.base_index != start) break;        // the minimum lies on this side
     }
+  }
+
+  /// There is a second minimum near the surface itself, where a base mesh is what a simplifier would leave and levels
+  /// have little to say. It counts where the input is so coarse that its vertices are seen one by one.
+  /// True where that minimum is the lower one; it has been searched then.
+  bool prefers_large_bases() {
+    constexpr double kBitsPerBaseVertex = 20, kLeastBits = 5;
+    if (options_.effort < 3 || options_.base_vertex_count || options_.target.kind == TargetKind::kSize) return false;
+    const double vertices = static_cast<double>(surface_.vertex_count());
+    const double bits = 8 * static_cast<double>(best_.trial.byte_count) / vertices;
+    const double share = std::min(1.0, bits / kBitsPerBaseVertex);
+    const auto at = std::lower_bound(base_sizes_.begin(), base_sizes_.end(), static_cast<int>(share * vertices));
+    const auto index = std::min(static_cast<std::size_t>(at - base_sizes_.begin()), base_sizes_.size() - 1);
+    if (bits < kLeastBits || index <= best_.base_index + 1) return false;
+    const double tension = std::exchange(tension_, 0.0);  // the surface is flat between the vertices that are left
+    if (take_if_better(evaluate(index))) {
+      climb(plan_.extra_candidates);
+      return true;
+    }
+    tension_ = tension;
+    return false;
   }
 
   bool has_colors() const { return options_.color_psnr_db && !input_.colors.empty(); }
