@@ -1350,7 +1350,7 @@ struct Stream {
   /// 8.2: the values of all layers against the bytes.
   void count_values(u64 count, u64 bytes) {
     value_count += count;
-    if (value_count > 32768 + 128 * bytes) fail(Code::kLimit, "8.2");
+    if (value_count > 32768 + 64 * bytes) fail(Code::kLimit, "8.2");
   }
 
   void decode_chunk(u8 type, const u8* payload, std::size_t size, u64 end_offset, const Limits& limits) {
