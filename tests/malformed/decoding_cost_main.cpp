@@ -16,6 +16,8 @@
 
 namespace {
 
+constexpr std::size_t kGrantedBytes = 512;
+
 struct Cost {
   std::string path;
   std::size_t size = 0;
@@ -53,7 +55,8 @@ double decode_once(const std::vector<unsigned char>& bytes, std::uint64_t& peak)
   return processor_seconds() - start;
 }
 
-Cost cost_of(const std::string& path, const std::vector<unsigned char>& bytes, const Cost& empty) {
+Cost cost_of(const std::string& path, const std::vector<unsigned char>& bytes, std::size_t granted,
+             const Cost& empty) {
   Cost cost{path, bytes.size(), 0, 0, 0};
   const double budget = processor_seconds() + 0.5;
   for (int run = 0; run < 5 && (run < 2 || processor_seconds() < budget); ++run) {
@@ -62,17 +65,17 @@ Cost cost_of(const std::string& path, const std::vector<unsigned char>& bytes, c
   }
   cost.peak -= std::min(cost.peak, empty.peak);
   cost.seconds_per_byte =
-      std::max(0.0, cost.seconds - empty.seconds) / std::max<double>(100, static_cast<double>(cost.size));
+      std::max(0.0, cost.seconds - empty.seconds) / static_cast<double>(granted + cost.size);
   return cost;
 }
 
-std::vector<Cost> costs_of(const std::string& folder, const Cost& empty) {
+std::vector<Cost> costs_of(const std::string& folder, std::size_t granted, const Cost& empty) {
   std::vector<Cost> costs;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
     std::ifstream file(entry.path(), std::ios::binary);
     const std::vector<unsigned char> bytes{std::istreambuf_iterator<char>(file), {}};
-    costs.push_back(cost_of(entry.path().string(), bytes, empty));
+    costs.push_back(cost_of(entry.path().string(), bytes, granted, empty));
   }
   std::sort(costs.begin(), costs.end(),
             [](const Cost& a, const Cost& b) { return a.seconds_per_byte > b.seconds_per_byte; });
@@ -83,8 +86,8 @@ std::vector<Cost> costs_of(const std::string& folder, const Cost& empty) {
 
 int main(int argument_count, char** arguments) {
   if (argument_count < 3) return 2;
-  Cost empty = cost_of("", {}, {});
-  const std::vector<Cost> typical = costs_of(arguments[1], empty);
+  const Cost empty = cost_of("", {}, 1, {});
+  const std::vector<Cost> typical = costs_of(arguments[1], 0, empty);
   if (typical.empty()) return 2;
   const double usual = typical[typical.size() / 2].seconds_per_byte;
   std::printf("a decoder of nothing: %.1f us, %llu bytes\n", 1e6 * empty.seconds,
@@ -93,7 +96,7 @@ int main(int argument_count, char** arguments) {
               1e6 * typical.front().seconds_per_byte);
   bool is_bounded = true;
   for (int i = 2; i < argument_count; ++i) {
-    const std::vector<Cost> costs = costs_of(arguments[i], empty);
+    const std::vector<Cost> costs = costs_of(arguments[i], kGrantedBytes, empty);
     std::uint64_t largest_small = 0;
     for (const Cost& cost : costs)
       if (cost.size <= 100) largest_small = std::max(largest_small, cost.peak);
