@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # Compiles the decoder to WebAssembly without a runtime: clang, wasm-ld and a few headers and functions of wasi-libc
 # (Debian packages clang lld binaryen wasi-libc libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 libclang-rt-14-dev-wasm32).
-# One scalar module: a build with -msimd128 was not faster (9.0 against 9.4 million triangles a second), since the
-# entropy decoder is a chain of dependent decisions. Only the files whose loops run per vertex are compiled for speed,
-# and inlining is limited there too. The linker is called directly, since clang would run the wasm-opt that it finds
-# with options of its own.
-# Usage: [NMC_WASM_FLAGS=-msimd128] build_wasm.sh OUTPUT_DIRECTORY
+# One scalar module: with -msimd128 in the two files that the most time goes to a stream takes 10 to 14 % less of it, but
+# both modules in one package are 4 kB more with brotli, which takes longer to arrive than it saves (docs/web.md). Only
+# those files are compiled for speed, and inlining is limited there too. The linker is called directly, since clang would
+# run the wasm-opt that it finds with options of its own.
+# Usage: [NMC_WASM_FLAGS=...] [NMC_WASM_FAST_FLAGS=-msimd128] build_wasm.sh OUTPUT_DIRECTORY: more options of clang++ for
+# all files, and for those two.
 set -eu
 root=$(cd "$(dirname "$0")/../.." && pwd)
 out=$1
@@ -17,7 +18,7 @@ for source in "$root"/decoder/wasm/*.cpp "$root"/libnmc/common/*.cpp "$root"/lib
   name=$(basename "$source" .cpp)
   case $name in
     coefficient_decoder|reconstruct)
-      options="-O2 -mllvm -inline-threshold=20" ;;
+      options="-O2 -mllvm -inline-threshold=20 ${NMC_WASM_FAST_FLAGS:-}" ;;
     *) options="-Oz" ;;
   esac
   # shellcheck disable=SC2086  # the options are meant to be split

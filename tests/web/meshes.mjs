@@ -30,6 +30,18 @@ export async function readScan(path) {
   return { positions: Float32Array.from(positions), indices: Uint32Array.from(indices) };
 }
 
+/** A PLY file of the same. */
+export function writePly(path, { positions, indices }) {
+  const head = Buffer.from(`ply\nformat binary_little_endian 1.0\nelement vertex ${positions.length / 3}\nproperty float x\n` +
+    `property float y\nproperty float z\nelement face ${indices.length / 3}\nproperty list uchar int vertex_indices\nend_header\n`);
+  const faces = Buffer.alloc((13 * indices.length) / 3);
+  for (let face = 0; 3 * face < indices.length; ++face) {
+    faces[13 * face] = 3;
+    for (let k = 0; k < 3; ++k) faces.writeInt32LE(indices[3 * face + k], 13 * face + 1 + 4 * k);
+  }
+  writeFileSync(path, Buffer.concat([head, Buffer.from(positions.buffer, positions.byteOffset, positions.byteLength), faces]));
+}
+
 /** The smallest GLB there is: positions in single precision and indices. */
 export function writePlainGlb(path, { positions, indices }) {
   const min = [Infinity, Infinity, Infinity];

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page: what is dropped, typed or clicked, and what is said about it. Query: src, compare, original, rate (kbit/s),
-// smooth (edges, also where the processor draws).
+// from (x,y,z: whence to look), smooth (edges, also where the processor draws).
 import { NMCLoader } from 'nmc-decoder/three';
 import { piecesOf } from 'nmc-decoder';
 
@@ -99,7 +99,7 @@ async function show(name, open) {
     $('panel').hidden = false;
     document.body.classList.add('loaded');
     clearPanel();
-    stage.fit(geometry, geometry.header.up);
+    refit();
     $('bytes').max = String(geometry.header.streamBytes);
     $('level').max = String(geometry.layers.at(-1).level);
     chart.set({ layers: geometry.layers, diagonal: geometry.header.diagonal, shown: 0, received: 0 });
@@ -238,9 +238,13 @@ async function compare(name, pieces) {
     record('compare-failed', { message: error.message });
   }
 }
+function queriedView() {
+  const view = (query.get('from') ?? '').split(',').map(Number);
+  return view.length === 3 && view.every(Number.isFinite) && Math.hypot(...view) > 0 ? view : null;
+}
 function refit() {
   const geometry = session?.geometry;
-  if (geometry) stage.fit(geometry, geometry.header.up);
+  if (geometry) stage.fit(geometry, geometry.header.up, queriedView());
 }
 
 function useOriginal(name, buffer) {

@@ -100,16 +100,28 @@ export class Stage {
     return { width: Math.max(width, 100), height: Math.max(clientHeight - bottom, 100) };
   }
 
-  /** Looks at a geometry of known bounds from the front. */
-  fit(geometry, up = '') {
+  /**
+   * Looks at a geometry of known bounds from the front, or the direction `view`, so near that its box fills what nothing
+   * covers.
+   */
+  fit(geometry, up = '', view = null) {
     const { center, radius } = geometry.boundingSphere;
-    const { width, height } = this.#free();
-    const share = Math.min(width, height) / this.#canvas.clientHeight;
-    const distance = (1.02 * radius) / Math.sin((this.#camera.fov * Math.PI) / 360) / share;
+    const { min, max } = geometry.boundingBox;
     const upward = up === 'z' ? new Vector3(0, 0, 1) : new Vector3(0, 1, 0);
-    const from = up === 'z' ? new Vector3(0.35, -1, 0.22) : new Vector3(0.35, 0.22, 1);
+    const front = up === 'z' ? [0.35, -1, 0.22] : [0.35, 0.22, 1];
+    const from = new Vector3(...(view ?? front)).normalize();
+    const right = new Vector3().crossVectors(upward, from).normalize();
+    const above = new Vector3().crossVectors(from, right);
+    const { width, height } = this.#free();
+    const slope = Math.tan((this.#camera.fov * Math.PI) / 360) / this.#canvas.clientHeight;
+    let distance = 0;
+    for (let corner = 0; corner < 8; ++corner) {
+      const at = new Vector3(corner & 1 ? max.x : min.x, corner & 2 ? max.y : min.y, corner & 4 ? max.z : min.z).sub(center);
+      const aside = Math.max(Math.abs(at.dot(right)) / width, Math.abs(at.dot(above)) / height);
+      distance = Math.max(distance, at.dot(from) + (1.06 * aside) / slope);
+    }
     this.#camera.up.copy(upward);
-    this.#camera.position.copy(center).addScaledVector(from.normalize(), distance);
+    this.#camera.position.copy(center).addScaledVector(from, distance);
     this.#camera.near = radius / 500;
     this.#camera.far = radius * 60;
     this.controls.target.copy(center);
