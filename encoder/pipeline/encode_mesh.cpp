@@ -132,6 +132,7 @@ class MeshEncoder {
     std::unique_ptr<Candidate> candidate;
     std::shared_ptr<const Parameterization> parameterization;
     Trial trial;
+    bool was_tried = false;  // else out of reach, and no trial was made
     bool met = false;
   };
 
@@ -207,6 +208,11 @@ class MeshEncoder {
 
   std::size_t first_base_index() const {
     const double wanted = std::clamp(300 * std::pow(1e-4 / relative_target(), 0.35), 48.0, 3000.0);
+    return nearest_base_index(wanted);
+  }
+
+  /// Of the base of about so many vertices; ratios count.
+  std::size_t nearest_base_index(double wanted) const {
     std::size_t best = 0;
     for (std::size_t i = 1; i < base_sizes_.size(); ++i) {
       if (std::abs(std::log(base_sizes_[i] / wanted)) < std::abs(std::log(base_sizes_[best] / wanted))) best = i;
@@ -217,9 +223,9 @@ class MeshEncoder {
   /// Bounds memory: 0.5 kB per vertex of the finest level.
   double largest_vertex_count() const { return 24 * static_cast<double>(surface_.vertex_count()) + 500000; }
 
-  /// A small input gets as many levels as it likes only where time does not matter.
+  /// Beyond a few times the input's own vertices more levels are tried only where time does not matter.
   double worthwhile_vertex_count() const {
-    return options_.effort >= 7 ? largest_vertex_count() : 16 * static_cast<double>(surface_.vertex_count()) + 30000;
+    return options_.effort >= 7 ? largest_vertex_count() : 3 * static_cast<double>(surface_.vertex_count()) + 60000;
   }
 
   int level_count_for(int base_size) const {
@@ -230,7 +236,7 @@ class MeshEncoder {
     const double vertices = static_cast<double>(surface_.vertex_count());
     const double error = relative_target();
     const double asked = finer_ * std::min(4 * vertices, std::clamp(7e-5 * vertices / error, 3 / error, 10 / error));
-    const double wanted = std::min(asked, largest_vertex_count());
+    const double wanted = std::min(asked, worthwhile_vertex_count());
     const double ratio = std::max(1.0, wanted / base_size);
     return std::clamp(static_cast<int>(std::ceil(std::log(ratio) / std::log(4.0) - 0.2)), 1, 8);
   }
@@ -317,10 +323,12 @@ class MeshEncoder {
     target_search.maximum_trials = is_last_resort ? kTrialsOfLastResort : plan_.trials_per_candidate;
     target_search.trial.measure_sample_count = 60000;
     target_search.trial.quality_layer_count = options_.quality_layer_count;
-    // One trial for the record, where more cannot help.
+    // Where no step can help, one trial for the record, unless another candidate has left one.
     if (options_.target.kind == TargetKind::kMaximumError && !is_last_resort &&
-        outcome.candidate->is_out_of_reach(options_.target.value))
+        outcome.candidate->is_out_of_reach(options_.target.value)) {
+      if (best_.candidate) return;
       target_search.maximum_trials = 1;
+    }
     if (best_.met) target_search.bytes_to_beat = best_.trial.byte_count;
     double first_step = step_guess_ > 0 ? step_guess_
                                         : result_.diagonal * 2e-3 * std::pow(relative_target() / 1.8e-4, 1.6);
@@ -332,6 +340,7 @@ class MeshEncoder {
       result_.attempts.push_back({outcome.candidate->statistics().base_vertex_count, level_count,
                                   t.normal_step, t.byte_count, t.error});
     }
+    outcome.was_tried = true;
     outcome.met = found.best.has_value();
     outcome.trial = std::move(outcome.met ? *found.best : *found.nearest);
     step_guess_ = outcome.trial.normal_step;
@@ -368,6 +377,7 @@ class MeshEncoder {
   }
 
   bool better(const Outcome& a, const Outcome& b) const {
+    if (!a.was_tried) return false;
     if (a.met != b.met) return a.met;
     if (!a.met) return target_ratio(options_.target, a.trial) < target_ratio(options_.target, b.trial);
     return options_.target.kind == TargetKind::kSize ? a.trial.error.rms < b.trial.error.rms
@@ -433,8 +443,7 @@ class MeshEncoder {
     const double vertices = static_cast<double>(surface_.vertex_count());
     const double bits = 8 * static_cast<double>(best_.trial.byte_count) / vertices;
     const double share = std::min(1.0, bits / kBitsPerBaseVertex);
-    const auto at = std::lower_bound(base_sizes_.begin(), base_sizes_.end(), static_cast<int>(share * vertices));
-    const auto index = std::min(static_cast<std::size_t>(at - base_sizes_.begin()), base_sizes_.size() - 1);
+    const std::size_t index = nearest_base_index(share * vertices);
     if (bits < kLeastBits || index <= best_.base_index + 1) return false;
     const double tension = std::exchange(tension_, 0.0);  // the surface is flat between the vertices that are left
     if (take_if_better(evaluate(index))) {
@@ -481,6 +490,7 @@ class MeshEncoder {
       const double step = best_.trial.normal_step * std::clamp(std::pow(0.995 / excess, 1.6), 0.5, 0.985);
       best_.trial = try_step(*best_.candidate, options_.target, description_, step, trial);
     }
+    spend_slack();
     const std::optional<ColorResult> colors = colors_of(best_);
     result_.stream = best_.candidate->finish(best_.trial, description_, colors ? &colors->stream : nullptr);
     result_.error = result_.stream.rows.back().error;
@@ -493,6 +503,27 @@ class MeshEncoder {
     if (best_.parameterization) {  // the sphere's map was proven when it was made
       const Certificate certificate = certify(*best_.parameterization);
       result_.folded_triangle_count = certificate.flipped + certificate.degenerate;
+    }
+  }
+
+  /// The search stops a little inside the target; what is left of it is worth a percent of the bytes.
+  void spend_slack() {
+    constexpr double kNoSlack = 0.995;
+    constexpr int kTries = 2;
+    if (!best_.met || options_.target.kind != TargetKind::kRmsError || options_.effort < 4) return;
+    double ratio = target_ratio(options_.target, best_.trial), step = best_.trial.normal_step;
+    for (int tries = 0; tries < kTries && ratio < kNoSlack; ++tries) {
+      TrialOptions trial;
+      trial.quality_layer_count = options_.quality_layer_count;
+      trial.keep_correspondences = true;
+      const double aim = 0.5 * (1 + kNoSlack) * options_.target.value;
+      const double share = error_share(*best_.candidate, best_.trial);
+      const double wanted = step_for_rms(*best_.candidate, aim, share);
+      step = tries == 0 ? std::clamp(wanted, 1.001 * step, 1.1 * step) : std::sqrt(step * best_.trial.normal_step);
+      Trial next = try_step(*best_.candidate, options_.target, description_, step, trial);
+      if (target_ratio(options_.target, next) > 1 || next.byte_count >= best_.trial.byte_count) continue;
+      best_.trial = std::move(next);
+      ratio = target_ratio(options_.target, best_.trial);
     }
   }
 
