@@ -5,8 +5,8 @@
 //     end, so each gets a file of its own for each error, the smallest over simplification (gltfpack -si, quadrics, in
 //     steps of a sixth) and bits per coordinate that reaches it when it is decoded and measured; meshopt and plain GLB
 //     with brotli on the way.
-//   node bench/web/bytes_and_speed.mjs --speed STREAM [DRACO_GLB] ...    time of decoding in one run of chromium: nmc and
-//     Draco by WebAssembly, of the stream's own mesh and of a file of equal error; and native code
+//   node bench/web/bytes_and_speed.mjs --speed STREAM [DRACO_GLB] ...    processor time of decoding in one run of chromium:
+//     nmc and Draco by WebAssembly, of the stream's own mesh and of a file of equal error; and native code
 // Programs by environment: NMC_ENCODE, NMC_DECODE, NMC_COMPARE, CHROMIUM. NMC_BENCH_FOLDER keeps the files, and a stream
 // that is there is used again; NMC_ENCODE_OPTIONS. Install tests/web, viewer and decoder/js first.
 import assert from 'node:assert/strict';
@@ -182,24 +182,14 @@ async function openPage(browser, files) {
   return page;
 }
 
-/** In the page: the best times in milliseconds. */
-async function timeInPage({ hasEqualError }) {
+/** In the page: sets up work[name](), each of which decodes once; resolves to the triangles of 'equal'. */
+async function prepareInPage({ hasEqualError }) {
   const bytesOf = async (name) => new Uint8Array(await (await fetch(name)).arrayBuffer());
-  const best = async (work) => {
-    let least = Infinity;
-    const end = performance.now() + 3000;
-    for (let i = 0; i < 15 || performance.now() < end; ++i) {
-      const begin = performance.now();
-      await work();
-      least = Math.min(least, performance.now() - begin);
-    }
-    return least;
-  };
   const { decode: decodeNmc } = await import('/nmc-decoder.mjs');
   const stream = await bytesOf('/stream');
   const module = await globalThis.DracoDecoderModule({ wasmBinary: await bytesOf('/draco.wasm') });
   let triangles = 0;
-  const dracoTime = (bytes) => best(() => {
+  const dracoWork = (bytes) => () => {
     const decoder = new module.Decoder();
     const mesh = new module.Mesh();
     decoder.DecodeArrayToMesh(new Int8Array(bytes.buffer), bytes.length, mesh);
@@ -215,14 +205,38 @@ async function timeInPage({ hasEqualError }) {
     module._free(at);
     module.destroy(mesh);
     module.destroy(decoder);
-  });
-  const result = {
-    nmc: await best(() => decodeNmc(stream)),
-    withNormals: await best(() => decodeNmc(stream, { normals: true })),
-    draco: await dracoTime(await bytesOf('/draco')),
   };
-  if (hasEqualError) Object.assign(result, { equal: await dracoTime(await bytesOf('/equal')), equalTriangles: triangles });
-  return result;
+  globalThis.work = {
+    nmc: () => decodeNmc(stream), withNormals: () => decodeNmc(stream, { normals: true }), draco: dracoWork(await bytesOf('/draco')),
+  };
+  if (hasEqualError) {
+    globalThis.work.equal = dracoWork(await bytesOf('/equal'));
+    globalThis.work.equal();
+  }
+  return triangles;
+}
+
+/** Milliseconds of processor time of the page's thread for work[name](), the mean of `times`. */
+async function timeInPage(page, session, name, times) {
+  const repeat = (count) => page.evaluate(async ([what, most]) => {
+    for (let i = 0; i < most; ++i) await globalThis.work[what]();
+  }, [name, count]);
+  const now = async () => (await session.send('Performance.getMetrics')).metrics.find((each) => each.name === 'ThreadTime').value;
+  await repeat(2);
+  const begin = await now();
+  await repeat(times);
+  return (1e3 * (await now() - begin)) / times;
+}
+
+/** The same of nmc-decode, which also reads the file and starts: the mean of further decodings. */
+function timeNatively(stream, times) {
+  const spent = (count) => {
+    const said = run('sh', ['-c', '"$0" "$1" --repeat "$2" --no-output --quiet; times', program('NMC_DECODE', 'nmc-decode'), stream,
+      String(count)]);
+    const seconds = [...said.trim().split('\n').at(-1).matchAll(/(\d+)m([0-9.]+)s/g)].map(([, minutes, rest]) => 60 * minutes + Number(rest));
+    return seconds[0] + seconds[1];
+  };
+  return (1e3 * (spent(times + 1) - spent(1))) / times;
 }
 
 async function speedTable(files) {
@@ -230,25 +244,30 @@ async function speedTable(files) {
   const browser = await startBrowser(['--js-flags=--no-liftoff']);
   console.log('| stream | decoder | bytes | triangles | ms | million triangles a second |\n|---|---|--:|--:|--:|--:|');
   for (let i = 0; i < files.length; ++i) {
-    const name = basename(files[i], '.nmc');
-    const stream = new Uint8Array(readFileSync(files[i]));
+    const path = files[i];
+    const name = basename(path, '.nmc');
+    const stream = new Uint8Array(readFileSync(path));
     const mesh = await decode(stream);
     const triangles = mesh.indices.length / 3;
     const same = await dracoOf(mesh);
     const equal = files[i + 1]?.endsWith('.glb') ? dracoInside(files[++i]) : null;
-    const said = run(program('NMC_DECODE', 'nmc-decode'), [files[equal ? i - 1 : i], '--repeat', '15', '--no-output']);
-    const native = Number(/ in ([0-9.]+) ms /.exec(said)?.[1]);
-    assert.ok(native > 0, said);
+    const times = Math.ceil(3e6 / triangles);
     const page = await openPage(browser, { stream, draco: same, ...(equal ? { equal } : {}) });
-    const times = await page.evaluate(timeInPage, { hasEqualError: Boolean(equal) });
-    await page.close();
+    const session = await page.context().newCDPSession(page);
+    await session.send('Performance.enable', { timeDomain: 'threadTicks' });
+    const equalTriangles = await page.evaluate(prepareInPage, { hasEqualError: Boolean(equal) });
     const row = (decoder, bytes, count, milliseconds) => console.log(`| ${name} | ${decoder} | ${bytes} | ${count} | ` +
       `${milliseconds.toPrecision(3)} | ${(count / milliseconds / 1e3).toPrecision(2)} |`);
-    row('nmc, native', stream.length, triangles, native);
-    row('nmc, WebAssembly', stream.length, triangles, times.nmc);
-    row('nmc, WebAssembly, with normals', stream.length, triangles, times.withNormals);
-    row('Draco, WebAssembly, the same mesh', same.length, triangles, times.draco);
-    if (equal) row('Draco, WebAssembly, the scan simplified to the same error', equal.length, times.equalTriangles, times.equal);
+    row('nmc, native', stream.length, triangles, timeNatively(path, times));
+    for (const [what, text, bytes, count] of [
+      ['nmc', 'nmc, WebAssembly', stream.length, triangles],
+      ['withNormals', 'nmc, WebAssembly, with normals', stream.length, triangles],
+      ['draco', 'Draco, WebAssembly, the same mesh', same.length, triangles],
+      ...(equal ? [['equal', 'Draco, WebAssembly, the scan simplified to the same error', equal.length, equalTriangles]] : []),
+    ]) {
+      row(text, bytes, count, await timeInPage(page, session, what, times));
+    }
+    await page.close();
   }
   await browser.close();
 }

@@ -32,7 +32,7 @@ export const run = (path, args, options = {}) =>
 
 export const temporaryFolder = () => mkdtempSync(join(tmpdir(), 'nmc-web-'));
 export const sleep = (milliseconds) => new Promise((resolve) => { setTimeout(resolve, milliseconds); });
-export async function until(condition, what, milliseconds = 60000) {
+export async function until(condition, what, milliseconds = 120000) {
   const end = Date.now() + milliseconds;
   for (let value; Date.now() < end; await sleep(50)) if ((value = await condition())) return value;
   throw new Error(`waited ${milliseconds} ms in vain for ${what}`);

@@ -58,7 +58,7 @@ async function open(path, { url = nginx.url, width = 960, height = 600, ...optio
 }
 
 /** Waits until the card has drawn one more frame. */
-function drawn(page, milliseconds = 60000) {
+function drawn(page, milliseconds = 180000) {
   return page.evaluate((most) => new Promise((resolve, reject) => {
     const { stage } = window.nmcViewer;
     const gl = stage.renderer.getContext();
@@ -121,7 +121,7 @@ async function loadRock(t, expected) {
   assert.ok(layers.length >= 7, `${layers.length} meshes`);
   assert.equal(layers.at(-1).triangles, 2097152);
   assert.ok(complete.time - begin.time > 15000, 'the line was not slow');
-  await drawn(page, 120000);
+  await drawn(page);
   const { count, longest, cause } = await trace.stop();
   assert.equal(await page.evaluate(() => window.nmcViewer.stage.renderer.info.render.triangles), 2097152);
   assert.ok(await showsSurface(page), 'the surface is not on the screen');
@@ -278,7 +278,8 @@ test('overlays, sliders, heat map and comparison; pictures', async (t) => {
   const show = async (bytes) => {
     const count = (await events('pick')).length;
     await page.locator('#bytes').fill(String(Math.floor(bytes)));
-    await until(async () => (await events('pick')).length > count, `the mesh of ${bytes} bytes`, 20000);
+    await page.locator('#bytes').blur();
+    await until(async () => (await events('pick')).length > count, `the mesh of ${bytes} bytes`);
   };
   await show(0);
   await take('first');
@@ -292,9 +293,9 @@ test('overlays, sliders, heat map and comparison; pictures', async (t) => {
   await drawn(page);
   await page.click('#wire');
   await page.click('[data-overlay="offsets"]');
-  await until(async () => (await events('legend')).some(({ text }) => /outward/.test(text)), 'the legend of offsets', 20000);
+  await until(async () => (await events('legend')).some(({ text }) => /outward/.test(text)), 'the legend of offsets');
   await page.click('[data-overlay="off-normal"]');
-  await until(async () => (await events('legend')).some(({ text }) => /sideways/.test(text)), 'the legend of vertices', 20000);
+  await until(async () => (await events('legend')).some(({ text }) => /sideways/.test(text)), 'the legend of vertices');
   await page.click('#base');
 
   await show(header.streamBytes / 20);
