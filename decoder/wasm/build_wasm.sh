@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Compiles the decoder to WebAssembly without a runtime: clang, wasm-ld and a few headers and functions of wasi-libc
 # (Debian packages clang lld binaryen wasi-libc libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 libclang-rt-14-dev-wasm32).
-# One scalar module: with -msimd128 in the two files that the most time goes to a stream takes 10 to 14 % less of it, but
+# One scalar module: with -msimd128 in the two files that the most time goes to a stream takes 10 to 13 % less of it, but
 # both modules in one package are 4 kB more with brotli, which takes longer to arrive than it saves (docs/web.md). Only
 # those files are compiled for speed, and inlining is limited there too. The linker is called directly, since clang would
 # run the wasm-opt that it finds with options of its own.
