@@ -200,8 +200,10 @@ $('level').addEventListener('input', ({ target }) => pick(lastRow((row) => row.l
 function clearPanel() {
   const panel = $('panel').getBoundingClientRect();
   const isBelow = panel.width > 0.6 * innerWidth;
+  const above = stage.isSplit ? $('label-left') : document.querySelector('header');
   stage.setInsets({
-    left: isBelow ? 0 : panel.right, bottom: isBelow && panel.height > 0 ? innerHeight - panel.top : 0,
+    top: above.getBoundingClientRect().bottom, left: isBelow ? 0 : panel.right,
+    bottom: isBelow && panel.height > 0 ? innerHeight - panel.top : 0,
   });
 }
 new ResizeObserver(clearPanel).observe($('panel'));
@@ -214,11 +216,12 @@ function setSplit(isSplit) {
 }
 
 async function compare(name, pieces) {
-  setSplit(true);
   for (const id of ['divider', 'label-left', 'label-right']) $(id).hidden = false;
+  setSplit(true);
   const label = $('label-right');
   stage.right.userData.root?.removeFromParent();
   if (session?.geometry) describe(session.preview ?? session.geometry);
+  clearPanel();
   refit();
   try {
     const { readGlb } = await import('./compare.js');

@@ -17,7 +17,7 @@ function isDrawnBySoftware() {
 export class Stage {
   #canvas;
   #camera = new PerspectiveCamera(38, 1, 0.01, 100);
-  #insets = { left: 0, bottom: 0 };
+  #insets = { left: 0, top: 0, bottom: 0 };
   #isDirty = true;
   #frame = 0;
   #listeners = new Set();
@@ -95,9 +95,9 @@ export class Stage {
   /** The part of a pane that nothing covers. */
   #free() {
     const { clientWidth, clientHeight } = this.#canvas;
-    const { left, bottom } = this.#insets;
+    const { left, top, bottom } = this.#insets;
     const width = this.isSplit ? clientWidth / 2 : clientWidth - left;
-    return { width: Math.max(width, 100), height: Math.max(clientHeight - bottom, 100) };
+    return { width: Math.max(width, 100), height: Math.max(clientHeight - top - bottom, 100) };
   }
 
   /**
@@ -153,8 +153,8 @@ export class Stage {
     const panes = this.isSplit ? [[this.left, 0], [this.right, 1]] : [[this.left, 0]];
     const paneWidth = width / panes.length;
     camera.aspect = paneWidth / height;
-    const { left, bottom } = this.#insets;
-    camera.setViewOffset(paneWidth, height, this.isSplit ? 0 : -left / 2, bottom / 2, paneWidth, height);
+    const { left, top, bottom } = this.#insets;
+    camera.setViewOffset(paneWidth, height, this.isSplit ? 0 : -left / 2, (bottom - top) / 2, paneWidth, height);
     renderer.setScissorTest(false);
     renderer.clear();
     renderer.setScissorTest(true);
