@@ -246,7 +246,7 @@ test('overlays, sliders, heat map and comparison; pictures', async (t) => {
   const name = basename(stream);
   if (process.env.NMC_PICTURE_STREAM) copyFileSync(stream, join(folder, name));
   const original = process.env.NMC_PICTURE_ORIGINAL;
-  const at = (name) => join(folder, name);
+  const at = (file) => join(folder, file);
   let triangles = 40000;
   if (original) {
     const scan = await readScan(original);
