@@ -398,6 +398,11 @@ class MeshEncoder {
   void choose() {
     std::size_t index = first_base_index();
     best_ = evaluate(index);
+    // Butterflies swing beyond creases: where there are many, midpoints may predict better.
+    if (sharp_edge_share(surface_) > 0.025) {
+      tension_ = 0;
+      if (!take_if_better(evaluate(index))) tension_ = 1;
+    }
     // A target out of reach: more base vertices see more features, another level resolves them.
     for (int missed = 0; !best_.met && !(options_.base_vertex_count && options_.level_count); ++missed) {
       if (index + 1 == base_sizes_.size() && finer_ > 16) break;
@@ -410,11 +415,6 @@ class MeshEncoder {
         finer_ = 32;   // and nothing is left to try
       }
       take_if_better(evaluate(index));
-    }
-    // Butterflies swing beyond creases: where there are many, midpoints may predict better.
-    if (tension_ > 0 && sharp_edge_share(surface_) > 0.025) {
-      tension_ = 0;
-      if (!take_if_better(evaluate(best_.base_index))) tension_ = 1;
     }
     if (!best_.met) return;
     if (!prefers_large_bases()) climb(plan_.extra_candidates);
