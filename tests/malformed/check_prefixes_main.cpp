@@ -13,6 +13,7 @@
 
 namespace {
 
+using nmc::test::current_row;
 using nmc::test::DecodedLayer;
 
 struct Outcome {
@@ -21,23 +22,6 @@ struct Outcome {
   std::size_t row_count = 0;
   DecodedLayer last;  // the last complete row
 };
-
-DecodedLayer describe(nmc_decoder* decoder) {
-  DecodedLayer row;
-  nmc_layer layer;
-  nmc_decoder_current_layer(decoder, &layer);
-  row.index = layer.index;
-  row.level = layer.level;
-  row.end_offset = layer.end_offset;
-  nmc_decoder_state_hash(decoder, &row.state_hash);
-  nmc_decoder_position_hash(decoder, layer.level, &row.position_hash);
-  nmc_attribute attribute;
-  for (std::uint32_t i = 0; nmc_decoder_attribute(decoder, i, &attribute) == NMC_OK; ++i) {
-    row.attribute_hashes.push_back(0);
-    nmc_decoder_attribute_hash(decoder, i, layer.level, &row.attribute_hashes.back());
-  }
-  return row;
-}
 
 /// `rows`: where each row is to be described; null: the last one only.
 Outcome decode(const std::vector<std::uint8_t>& stream, std::size_t size, std::vector<DecodedLayer>* rows) {
@@ -49,13 +33,13 @@ Outcome decode(const std::vector<std::uint8_t>& stream, std::size_t size, std::v
   while ((outcome.status = nmc_decoder_next(decoder, &event)) == NMC_OK) {
     if (event != NMC_EVENT_LAYER) continue;
     ++outcome.row_count;
-    if (rows) rows->push_back(describe(decoder));
+    if (rows) rows->push_back(current_row(decoder));
   }
   if (outcome.status == NMC_NEED_MORE_INPUT) outcome.status = nmc_decoder_finish(decoder);
   nmc_error_detail error;
   nmc_decoder_error(decoder, &error);
   outcome.error_offset = error.byte_offset;
-  if (outcome.row_count > 0) outcome.last = describe(decoder);
+  if (outcome.row_count > 0) outcome.last = current_row(decoder);
   nmc_decoder_destroy(&decoder);
   return outcome;
 }

@@ -85,6 +85,24 @@ inline bool mesh_is_sound(nmc_decoder* decoder, std::uint32_t level) {
          std::all_of(normals.begin(), normals.end(), is_finite);
 }
 
+/// The last complete row and the hashes of what it holds.
+inline DecodedLayer current_row(nmc_decoder* decoder) {
+  nmc_layer row{};
+  DecodedLayer layer;
+  nmc_decoder_current_layer(decoder, &row);
+  layer.index = row.index;
+  layer.level = row.level;
+  layer.end_offset = row.end_offset;
+  nmc_decoder_state_hash(decoder, &layer.state_hash);
+  nmc_decoder_position_hash(decoder, row.level, &layer.position_hash);
+  nmc_attribute attribute{};
+  for (std::uint32_t i = 0; nmc_decoder_attribute(decoder, i, &attribute) == NMC_OK; ++i) {
+    layer.attribute_hashes.push_back(0);
+    nmc_decoder_attribute_hash(decoder, i, row.level, &layer.attribute_hashes.back());
+  }
+  return layer;
+}
+
 /// Works through all events that the bytes so far give.
 inline nmc_status drain(nmc_decoder* decoder, Decoding& decoding, bool reads_meshes = true) {
   nmc_event event{};
@@ -93,20 +111,7 @@ inline nmc_status drain(nmc_decoder* decoder, Decoding& decoding, bool reads_mes
     if (event == NMC_EVENT_HEADER) decoding.has_header = true;
     if (event == NMC_EVENT_END) decoding.has_ended = true;
     if (event != NMC_EVENT_LAYER || !reads_meshes) continue;
-    nmc_layer row{};
-    DecodedLayer layer;
-    nmc_decoder_current_layer(decoder, &row);
-    layer.index = row.index;
-    layer.level = row.level;
-    layer.end_offset = row.end_offset;
-    nmc_decoder_state_hash(decoder, &layer.state_hash);
-    nmc_decoder_position_hash(decoder, row.level, &layer.position_hash);
-    nmc_attribute attribute{};
-    for (std::uint32_t i = 0; nmc_decoder_attribute(decoder, i, &attribute) == NMC_OK; ++i) {
-      layer.attribute_hashes.push_back(0);
-      nmc_decoder_attribute_hash(decoder, i, row.level, &layer.attribute_hashes.back());
-    }
-    decoding.layers.push_back(layer);
+    decoding.layers.push_back(current_row(decoder));
   }
   return status;
 }
