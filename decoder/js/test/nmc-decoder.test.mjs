@@ -139,7 +139,7 @@ test('stream: a stop rule ends the source, an abort rejects, a failing HTTP answ
 test('package: no eval, no blobs, no files beside it', () => {
   const text = readFileSync(join(here, '../nmc-decoder.mjs'), 'utf8');
   assert.doesNotMatch(text, /\beval\(|new Function|createObjectURL|import\.meta/);
-  assert.ok(existsSync(join(here, '../nmc-decoder.d.ts')));
+  assert.ok(existsSync(join(here, '../nmc-decoder.d.mts')));
   assert.ok(readdirSync(join(here, '..')).includes('package.json'));
 });
 
