@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the tests and benchmarks of the web share: nginx on a free port of the loopback, a proxy that breaks
-// connections, Debian's chromium.
+// connections, Debian's chromium. Nothing that is left open keeps the process from ending.
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { connect, createServer } from 'node:net';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
 import { chromium } from 'playwright-core';
+
+import { announce, ending, killChildren, step, until } from './steps.mjs';
 
 export const here = dirname(fileURLToPath(import.meta.url));
 export const root = join(here, '../..');
@@ -27,15 +29,15 @@ export function program(variable, name) {
   throw new Error(`${name} is missing: install it or set ${variable}`);
 }
 
+/** What a program prints. Benchmarks encode for longer than any test: they give `timeout` in milliseconds. */
 export const run = (path, args, options = {}) =>
   execFileSync(path, args, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'], ...options });
 
-export const temporaryFolder = () => mkdtempSync(join(tmpdir(), 'nmc-web-'));
-export const sleep = (milliseconds) => new Promise((resolve) => { setTimeout(resolve, milliseconds); });
-export async function until(condition, what, milliseconds = 120000) {
-  const end = Date.now() + milliseconds;
-  for (let value; Date.now() < end; await sleep(50)) if ((value = await condition())) return value;
-  throw new Error(`waited ${milliseconds} ms in vain for ${what}`);
+/** A folder that goes when the process ends. */
+export function temporaryFolder() {
+  const path = mkdtempSync(join(tmpdir(), 'nmc-web-'));
+  process.on('exit', () => rmSync(path, { recursive: true, force: true, maxRetries: 3 }));
+  return path;
 }
 
 async function freePort() {
@@ -66,22 +68,27 @@ export async function startNginx(folder) {
         location /slow/ { alias ${folder}/; limit_rate 125000; sendfile_max_chunk 16k; }
       }
     }`);
-  const server = spawn(program('NGINX', 'nginx'), ['-p', work, '-c', join(work, 'nginx.conf')], { stdio: ['ignore', 'ignore', 'pipe'] });
+  // In a process group of its own, which ends as one.
+  const server = spawn(program('NGINX', 'nginx'), ['-p', work, '-c', join(work, 'nginx.conf')],
+    { stdio: ['ignore', 'ignore', 'pipe'], detached: true });
   let complaint = '';
   server.stderr.on('data', (data) => { complaint += data; });
+  const hasEnded = () => server.exitCode !== null || server.signalCode !== null;
+  const ended = new Promise((resolve) => { server.once('exit', resolve); });
+  server.unref();
+  server.stderr.unref();
   const url = `http://127.0.0.1:${port}`;
-  await until(async () => {
-    if (server.exitCode !== null) throw new Error(`nginx: ${complaint}`);
-    return fetch(url).then(() => true, () => false);
-  }, 'nginx', 10000);
+  await until('the start of nginx', 60, async () => {
+    if (hasEnded()) throw new Error(`it has ended: ${complaint}`);
+    return fetch(url, { signal: AbortSignal.timeout(5000) }).then(() => true, () => false);
+  });
   return {
     url, port,
     log: () => readFileSync(join(work, 'logs/access.log'), 'utf8'),
     stop: async () => {
-      const gone = new Promise((resolve) => { server.once('exit', resolve); });
+      if (hasEnded()) return announce(`nginx had ended by itself: ${complaint}`);
       server.kill('SIGTERM');
-      await gone;
-      rmSync(work, { recursive: true, force: true });
+      if (!await ending('the end of nginx', 20, () => ended)) process.kill(-server.pid, 'SIGKILL');
     },
   };
 }
@@ -89,6 +96,7 @@ export async function startNginx(folder) {
 /** A proxy before `port`: the first answer to a request for `path` breaks off after `cut` bytes; all others pass. */
 export async function startBreakingProxy(port, cut, path) {
   let hasBroken = false;
+  const sockets = new Set();
   const server = createServer((client) => {
     const upstream = connect(port, '127.0.0.1');
     let passed = -Infinity;
@@ -110,48 +118,77 @@ export async function startBreakingProxy(port, cut, path) {
     });
     upstream.on('close', () => client.end());
     client.on('close', () => upstream.destroy());
-    for (const socket of [client, upstream]) socket.on('error', () => {});
+    for (const socket of [client, upstream]) {
+      sockets.add(socket);
+      socket.on('error', () => {});
+      socket.on('close', () => sockets.delete(socket));
+    }
   });
+  server.unref();
   await new Promise((resolve) => { server.listen(0, '127.0.0.1', resolve); });
   return {
     url: `http://127.0.0.1:${server.address().port}`,
     hasBroken: () => hasBroken,
-    stop: () => new Promise((resolve) => {
+    stop: () => ending('the end of the proxy', 20, () => new Promise((resolve) => {
       server.close(resolve);
-      server.closeAllConnections?.();
-    }),
+      for (const socket of sockets) socket.destroy();
+    })),
   };
 }
 
-/** Chromium without a screen; WebGL in software, so that it needs no graphics card. */
-export function startBrowser(moreArguments = []) {
-  return chromium.launch({
-    executablePath: program('CHROMIUM', 'chromium'),
-    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist',
-      '--disable-dev-shm-usage', ...moreArguments],
+const marks = new WeakMap();
+let browsers = 0;
+
+/**
+ * Chromium without a screen; WebGL in software, so that it needs no graphics card. One that does not come to life is
+ * said and started once more: no page of ours has been in it yet.
+ */
+export async function startBrowser(moreArguments = []) {
+  const start = async () => {
+    const mark = `--nmc-browser=${process.pid}.${++browsers}`;
+    try {
+      return await step('the start of chromium', 120, async () => {
+        const browser = await chromium.launch({
+          executablePath: program('CHROMIUM', 'chromium'), timeout: 60000,
+          args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist',
+            '--disable-dev-shm-usage', mark, ...moreArguments],
+        });
+        marks.set(browser, mark);
+        const page = await browser.newPage();
+        assert.equal(await page.evaluate(() => 6 * 7), 42);
+        await page.close();
+        return browser;
+      });
+    } catch (error) {
+      killChildren(mark);
+      throw error;
+    }
+  };
+  return start().catch((error) => {
+    announce(`CHROMIUM DID NOT START, once more: ${error.message}`);
+    return start();
   });
+}
+
+/** Closes the browser, or kills it with all its processes when it does not answer. */
+export async function stopBrowser(browser) {
+  if (await ending('the end of chromium', 20, () => browser.close())) return;
+  killChildren(marks.get(browser));
+  await ending('the end of a killed chromium', 20, () => until('its last word', 15, () => !browser.isConnected()));
 }
 
 /** Ids of the browser's page processes. */
-function rendererIds() {
-  return readdirSync('/proc').filter((name) => /^\d+$/.test(name)).map(Number).filter((id) => {
-    try {
-      return readFileSync(`/proc/${id}/cmdline`, 'utf8').includes('--type=renderer') && descendsFromHere(id);
-    } catch {
-      return false;  // it has ended meanwhile
-    }
+async function rendererIds(browser) {
+  return step('the list of page processes', 60, async () => {
+    const session = await browser.newBrowserCDPSession();
+    const { processInfo } = await session.send('SystemInfo.getProcessInfo');
+    await session.detach();
+    return processInfo.filter(({ type }) => type === 'renderer').map(({ id }) => id);
   });
-}
-function descendsFromHere(id) {
-  for (let at = id; at > 1;) {
-    if (at === process.pid) return true;
-    at = Number(/PPid:\s+(\d+)/.exec(readFileSync(`/proc/${at}/status`, 'utf8'))?.[1] ?? 0);
-  }
-  return false;
 }
 
 /**
- * Traces the tasks of a page's main thread. `stop()` gives their number and of the longest, in milliseconds: `wall`, as
+ * Traces the tasks of a page's main thread, in a browser that has no other page at work. `stop()` gives their number and of the longest, in milliseconds: `wall`, as
  * a clock sees it; `processor`, its own work; and `held`, from its begin to its end without the time in which it was
  * ready to run and other programs had the processors (the kernel's run delay, proc(5): schedstat). `held` is what the
  * page itself is to blame for, waiting for a graphics card included, and `wall` on a machine that has nothing else to
@@ -159,7 +196,7 @@ function descendsFromHere(id) {
  * machine a task that is a little too long may pass, and none fails that should not.
  */
 export async function traceMainThread(browser, page) {
-  const delays = new Map(rendererIds().map((id) => [id, []]));
+  const delays = new Map((await rendererIds(browser)).map((id) => [id, []]));
   const now = () => Number(process.hrtime.bigint() / 1000n);  // the trace's clock, in microseconds
   const read = () => {
     for (const [id, rows] of delays) {
@@ -170,8 +207,10 @@ export async function traceMainThread(browser, page) {
       }
     }
   };
+  read();
+  await step('the begin of a trace', 60, () => browser.startTracing(page, { categories: ['toplevel', 'cc', 'gpu', 'devtools.timeline'] }));
   const sampler = setInterval(read, 5);
-  await browser.startTracing(page, { categories: ['toplevel', 'cc', 'gpu', 'devtools.timeline'] });
+  sampler.unref();
   const delayWithin = (rows, begin, end) => {
     const before = rows.findLast(([time]) => time <= begin);
     const after = rows.find(([time]) => time >= end);
@@ -179,12 +218,14 @@ export async function traceMainThread(browser, page) {
     return after[1] - before[1];
   };
   return {
+    cancel: () => clearInterval(sampler),
     stop: async () => {
-      const { traceEvents } = JSON.parse((await browser.stopTracing()).toString('utf8'));
-      clearInterval(sampler);
+      const trace = await step('the end of a trace', 120, () => browser.stopTracing()).finally(() => clearInterval(sampler));
+      read();
+      const { traceEvents } = JSON.parse(trace.toString('utf8'));
       const mains = new Set(traceEvents.filter(({ name, args }) => name === 'thread_name' && args.name === 'CrRendererMain')
         .map(({ pid, tid }) => `${pid}/${tid}`));
-      const events = traceEvents.filter(({ ph, pid, tid }) => ph === 'X' && mains.has(`${pid}/${tid}`));
+      const events = traceEvents.filter(({ ph, pid, tid }) => ph === 'X' && delays.has(pid) && mains.has(`${pid}/${tid}`));
       const tasks = events.filter(({ name }) => /RunTask$/.test(name));
       const longest = { wall: 0, processor: 0, held: 0 };
       let slowest = null;
@@ -214,9 +255,9 @@ function causeOf(task, events) {
 }
 
 /** Bytes that the browser's page processes hold, by the kernel's account. */
-export function rendererMemory() {
+export async function rendererMemory(browser) {
   let bytes = 0;
-  for (const id of rendererIds()) {
+  for (const id of await rendererIds(browser)) {
     try {
       bytes += 1024 * Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${id}/status`, 'utf8'))?.[1] ?? 0);
     } catch {
@@ -229,7 +270,7 @@ export function rendererMemory() {
 /** viewer/dist in `folder`, built there. */
 export function buildViewer(folder) {
   run(process.execPath, [join(root, 'viewer/node_modules/vite/bin/vite.js'), 'build', '--outDir', folder, '--emptyOutDir'],
-    { cwd: join(root, 'viewer') });
+    { cwd: join(root, 'viewer'), timeout: 300000 });
 }
 
 /** Draco inside a GLB, as exporters write it: positions of `bits` bits, no other attributes. */
