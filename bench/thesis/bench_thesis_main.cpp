@@ -19,7 +19,8 @@ int main(int argc, char** argv) {
       {"collapse", nmc_bench::run_collapse},         {"convergence", nmc_bench::run_convergence},
       {"distortion", nmc_bench::run_distortion},     {"curves", nmc_bench::run_curves},
       {"table-3-1", nmc_bench::run_table_3_1},       {"levels", nmc_bench::run_levels},
-      {"zone-sphere", nmc_bench::run_zone_sphere},   {"pictures", nmc_bench::run_pictures}};
+      {"zone-sphere", nmc_bench::run_zone_sphere},   {"pictures", nmc_bench::run_pictures},
+      {"hierarchies", nmc_bench::run_hierarchies}};
 
   CLI::App app{
       "Reproduces the tables and figures of the thesis: tables go to standard output as Markdown, tables as "

@@ -60,6 +60,7 @@ void run_distortion(const Settings& settings);
 void run_curves(const Settings& settings);
 void run_table_3_1(const Settings& settings);
 void run_levels(const Settings& settings);
+void run_hierarchies(const Settings& settings);
 void run_zone_sphere(const Settings& settings);
 void run_pictures(const Settings& settings);
 

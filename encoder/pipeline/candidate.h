@@ -52,6 +52,7 @@ struct TrialOptions {
   int quality_layer_count = 1;
   int layer_ratio = 3;
   bool keep_correspondences = false;  // of the last trial (QuantizeOptions); for one layer
+  bool is_final = false;              // a trial that may be the file: spikes are sought between vertices too
 };
 
 /// The outcome of quantizing with one step.
@@ -79,6 +80,8 @@ class Candidate {
   const CandidateStatistics& statistics() const;
   int coded_level_count() const;
   const SubdivisionHierarchy& hierarchy() const;
+  /// The mesh before quantization, in stream order.
+  const NormalMesh& fitted_mesh() const;
   const std::vector<std::uint8_t>& base_creases() const;
 
   /// Error of the fit before quantization, measured as the final one is.
