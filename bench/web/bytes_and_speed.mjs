@@ -111,7 +111,7 @@ async function bytesTable(scans) {
   for (const scan of scans) {
     const name = basename(scan, extname(scan));
     const stream = join(folder, `${name}.nmc`);
-    if (!existsSync(stream)) run(program('NMC_ENCODE', 'nmc-encode'), [scan, '-o', stream, '--quiet', ...options]);
+    if (!existsSync(stream)) run(program('NMC_ENCODE', 'nmc-encode'), [scan, '-o', stream, '--quiet', ...options], { timeout: 0 });
     const { layers, diagonal } = await header(stream);
     const peers = new Peers(scan, name, await readScan(scan));
     const kilobytes = (bytes) => (Number.isFinite(bytes) ? `${(bytes / 1e3).toPrecision(3)} kB` : '–');

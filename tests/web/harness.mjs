@@ -29,9 +29,9 @@ export function program(variable, name) {
   throw new Error(`${name} is missing: install it or set ${variable}`);
 }
 
-/** What a program prints. Benchmarks encode for longer than any test: they give `timeout` in milliseconds. */
+/** What a program prints; it has five minutes, or options.timeout milliseconds (0: all it wants). */
 export const run = (path, args, options = {}) =>
-  execFileSync(path, args, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'], ...options });
+  execFileSync(path, args, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'], timeout: 300000, ...options });
 
 /** A folder that goes when the process ends. */
 export function temporaryFolder() {
@@ -86,9 +86,14 @@ export async function startNginx(folder) {
     url, port,
     log: () => readFileSync(join(work, 'logs/access.log'), 'utf8'),
     stop: async () => {
-      if (hasEnded()) return announce(`nginx had ended by itself: ${complaint}`);
-      server.kill('SIGTERM');
-      if (!await ending('the end of nginx', 20, () => ended)) process.kill(-server.pid, 'SIGKILL');
+      if (hasEnded()) announce(`nginx had ended by itself: ${complaint}`);
+      else server.kill('SIGTERM');
+      await ending('the end of nginx', 20, () => ended);
+      try {
+        process.kill(-server.pid, 'SIGKILL');  // workers that have lost their master, or do not end
+      } catch {
+        return;  // there are none
+      }
     },
   };
 }
@@ -270,7 +275,7 @@ export async function rendererMemory(browser) {
 /** viewer/dist in `folder`, built there. */
 export function buildViewer(folder) {
   run(process.execPath, [join(root, 'viewer/node_modules/vite/bin/vite.js'), 'build', '--outDir', folder, '--emptyOutDir'],
-    { cwd: join(root, 'viewer'), timeout: 300000 });
+    { cwd: join(root, 'viewer') });
 }
 
 /** Draco inside a GLB, as exporters write it: positions of `bits` bits, no other attributes. */

@@ -22,14 +22,14 @@ endWithin(1080);  // CTest's 1200 s, less what run_tests.sh may need before
 
 /** What nmc-decode says of a stream: the hash of its finest mesh. */
 function hashOf(path) {
-  const said = run(decode, [path, '--hash', '--no-output'], { timeout: 300000 });
+  const said = run(decode, [path, '--hash', '--no-output']);
   return /positions ([0-9a-f]{16})/.exec(said)[1];
 }
 
 before(async () => {
   buildViewer(folder);
   for (const [name, ...size] of [['rock.nmc'], ['middle.nmc', '7', '24'], ['small.nmc', '6', '12']]) {
-    run(program('NMC_MAKE_ROCK', 'make-rock'), [join(folder, name), ...size], { timeout: 300000 });
+    run(program('NMC_MAKE_ROCK', 'make-rock'), [join(folder, name), ...size]);
   }
   const small = readFileSync(join(folder, 'small.nmc'));
   const damaged = Buffer.from(small);
@@ -275,15 +275,60 @@ test('overlays, sliders, heat map and comparison; pictures', async (t) => {
   assert.deepEqual(viewer.complaints, []);
 });
 
-test('a small screen, keys', async (t) => {
-  const viewer = await open(t, '?src=small.nmc', { width: 360, height: 640, hasTouch: true, isMobile: true });
+test('a small screen: a dropped file, keys, fingers, the sliders, a slow line', async (t) => {
+  const viewer = await open(t, '', { width: 360, height: 640, hasTouch: true, isMobile: true, reducedMotion: 'reduce' });
+  await viewer.first('ready');
+  await viewer.evaluate(async () => {
+    const dropped = new DataTransfer();
+    dropped.items.add(new File([await (await fetch('small.nmc')).blob()], 'dropped.nmc'));
+    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: dropped, bubbles: true, cancelable: true }));
+  });
   await viewer.first('complete');
+  assert.equal(await viewer.text('#name'), 'dropped.nmc');
   const panel = await viewer.step('the place of the panel', 60, () => viewer.page.locator('#panel').boundingBox({ timeout: 0 }));
   assert.ok(panel.width <= 360 && panel.height < 320, JSON.stringify(panel));
   assert.ok(await viewer.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+
   await viewer.step('the focus', 60, () => viewer.page.focus('#canvas', { timeout: 0 }));
   await viewer.press('w');
   assert.equal(await viewer.evaluate(() => document.getElementById('wire').getAttribute('aria-pressed')), 'true');
+  await viewer.press('w');
   await viewer.press('[');
   await viewer.first('pick');
+  await viewer.evaluate(() => {
+    document.getElementById('level').value = '2';
+    document.getElementById('level').dispatchEvent(new Event('input'));
+  });
+  await viewer.until('a mesh of level 2', () => viewer.evaluate(() => window.nmcViewer.view.geometry.layer.level === 2));
+
+  const session = await viewer.step('a session', 60, () => viewer.context.newCDPSession(viewer.page));
+  const touch = (type, ...points) => viewer.step(`a ${type}`, 60, () => session.send('Input.dispatchTouchEvent',
+    { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) }));
+  const eye = () => viewer.evaluate(() => {
+    const { camera, controls } = window.nmcViewer.stage;
+    const offset = camera.position.clone().sub(controls.target);
+    return { distance: offset.length(), direction: offset.normalize().toArray() };
+  });
+  const before = await eye();
+  await touch('touchStart', [120, 200]);
+  for (const x of [150, 200, 250]) await touch('touchMove', [x, 200]);
+  await touch('touchEnd');
+  const turned = await viewer.until('a turn by one finger', async () => {
+    const now = await eye();
+    return now.direction.some((x, k) => Math.abs(x - before.direction[k]) > 0.2) ? now : null;
+  });
+  assert.ok(Math.abs(turned.distance / before.distance - 1) < 1e-6, 'one finger turns and does not zoom');
+  await touch('touchStart', [160, 200], [200, 200]);
+  for (const x of [20, 40, 60]) await touch('touchMove', [160 - x, 200], [200 + x, 200]);
+  await touch('touchEnd');
+  await viewer.until('a zoom by two fingers', async () => (await eye()).distance < 0.6 * before.distance);
+
+  const shown = (await viewer.events('complete')).length;
+  await viewer.step('the choice of a slow line', 60, () => viewer.page.selectOption('#network', '64', { timeout: 0 }));
+  await viewer.click('#again');
+  await viewer.until('the end of the slow load', async () => (await viewer.events('complete')).length > shown);
+  const seconds = ((await viewer.events('complete')).at(-1).time - (await viewer.events('open')).at(-1).time) / 1e3;
+  const { size } = statSync(join(folder, 'small.nmc'));
+  assert.ok(seconds > (0.9 * 8 * size) / 64e3, `${size} bytes in ${seconds} s`);
+  assert.deepEqual(viewer.complaints, []);
 });
