@@ -53,9 +53,12 @@ struct QuadraticEnergyOptions {
   double tangential_share = 0.02;
   /// Residuals beyond this many RMS residuals count linearly (Huber); 0: all count squared.
   double huber_multiple = 0;
+  /// Samples farther than this from their targets weigh more, by the square of the ratio: a few places far off are
+  /// worse than the mean tells. 0: none do.
+  double spike_distance = 0;
 };
 
-/// Memory: about 200 bytes per vertex.
+/// Memory: about 350 bytes per vertex.
 class QuadraticEnergy {
  public:
   /// `finest` must outlive the object.
@@ -90,7 +93,7 @@ class QuadraticEnergy {
   const LevelTopology& finest_;
   std::vector<std::uint32_t> neighbor_begin_;
   std::vector<Neighbor> neighbors_;
-  std::vector<SymmetricMatrix3> diagonal_, edges_;
+  std::vector<SymmetricMatrix3> diagonal_, edges_, neighbor_blocks_;
   std::vector<Vec3> reference_, reference_gradient_;
   double reference_energy_ = 0, total_weight_ = 0;
 };

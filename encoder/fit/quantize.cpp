@@ -11,6 +11,9 @@
 
 namespace nmc {
 
+/// Of the RMS distance: samples farther off weigh more once the integers are being chosen.
+constexpr double kSpikeMultiple = 3;
+
 struct MeshQuantizer::State {
   State(const NormalMesh& mesh_of, int coded_level_count, std::vector<SurfaceSample> samples_of,
         const InputSurface* input_of, const QuadraticEnergyOptions& energy_options_of)
@@ -52,7 +55,9 @@ struct MeshQuantizer::State {
       append_input_samples(*input, finest, positions, moved_samples.size() / 8, total_weight,
                            reach_multiple * rms, moved_samples);
     }
-    system.set_samples(moved_samples, positions, energy_options);
+    QuadraticEnergyOptions weighted = energy_options;
+    weighted.spike_distance = kSpikeMultiple * rms;
+    system.set_samples(moved_samples, positions, weighted);
     at_start = false;
   }
 

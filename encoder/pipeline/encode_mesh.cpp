@@ -56,7 +56,7 @@ struct SearchPlan {
   int trials_per_candidate;
 };
 SearchPlan plan_of(int effort) {
-  constexpr SearchPlan kPlans[9] = {{0, 3}, {0, 4}, {1, 4}, {2, 4}, {3, 4}, {4, 5}, {5, 6}, {7, 6}, {10, 8}};
+  constexpr SearchPlan kPlans[9] = {{0, 3}, {0, 4}, {1, 4}, {2, 4}, {4, 4}, {5, 5}, {6, 6}, {8, 6}, {10, 8}};
   return kPlans[std::clamp(effort, 1, 9) - 1];
 }
 
@@ -329,11 +329,14 @@ class MeshEncoder {
       if (best_.candidate) return;
       target_search.maximum_trials = 1;
     }
+    // spend_slack() makes up for it, for one candidate instead of all.
+    if (spends_slack()) target_search.good_enough = 0.975;
+    const double aim = 0.5 * (1 + target_search.good_enough);
     if (best_.met) target_search.bytes_to_beat = best_.trial.byte_count;
     double first_step = step_guess_ > 0 ? step_guess_
                                         : result_.diagonal * 2e-3 * std::pow(relative_target() / 1.8e-4, 1.6);
     const bool is_rms = options_.target.kind == TargetKind::kRmsError;
-    if (is_rms) first_step = step_for_rms(*outcome.candidate, options_.target.value, error_share_);
+    if (is_rms) first_step = step_for_rms(*outcome.candidate, aim * options_.target.value, noise_, true);
     TargetSearchResult found =
         search_target(*outcome.candidate, options_.target, description_, first_step, target_search);
     for (const Trial& t : found.trials) {
@@ -344,7 +347,7 @@ class MeshEncoder {
     outcome.met = found.best.has_value();
     outcome.trial = std::move(outcome.met ? *found.best : *found.nearest);
     step_guess_ = outcome.trial.normal_step;
-    if (is_rms) error_share_ = error_share(*outcome.candidate, outcome.trial);
+    if (is_rms) noise_ = noise_of(*outcome.candidate, outcome.trial, found.trials.size() == 1);
   }
 
   /// Regular polyhedra first: their connectivity costs nothing. A surface with limbs wants vertices at their tips.
@@ -376,12 +379,24 @@ class MeshEncoder {
     }
   }
 
+  /// Bytes of a trial, the largest error counted a little: half of it is worth 2 %.
+  double priced_bytes(const Trial& trial) const {
+    constexpr double kMaximumCounts = 0.03;
+    const double bytes = static_cast<double>(trial.byte_count);
+    return spends_slack() ? bytes * std::pow(trial.error.maximum / result_.diagonal, kMaximumCounts) : bytes;
+  }
+  /// The same once the trial's slack is spent.
+  double cost_of(const Trial& trial) const {
+    if (!spends_slack()) return priced_bytes(trial);
+    return priced_bytes(trial) * std::pow(target_ratio(options_.target, trial), -kBytesOverError);
+  }
+
   bool better(const Outcome& a, const Outcome& b) const {
     if (!a.was_tried) return false;
     if (a.met != b.met) return a.met;
     if (!a.met) return target_ratio(options_.target, a.trial) < target_ratio(options_.target, b.trial);
     return options_.target.kind == TargetKind::kSize ? a.trial.error.rms < b.trial.error.rms
-                                                     : a.trial.byte_count < b.trial.byte_count;
+                                                     : cost_of(a.trial) < cost_of(b.trial);
   }
 
   /// Puts `outcome` in the place of the best where it is better.
@@ -420,17 +435,21 @@ class MeshEncoder {
     if (!prefers_large_bases()) climb(plan_.extra_candidates);
   }
 
-  /// Hill climbing over the base sizes, from the best so far: around it bytes at equal error have one minimum.
+  /// Hill climbing over the base sizes, from the best so far: around it bytes at equal error have one minimum, but for
+  /// ripples where another size brings another number of levels. So a small gain on one side does not spare the other.
   void climb(int candidate_count) {
+    constexpr double kClearGain = 0.975;
     const std::size_t start = best_.base_index;
+    const double start_cost = cost_of(best_.trial);
     for (const std::ptrdiff_t direction : {1, -1}) {
+      std::ptrdiff_t position = static_cast<std::ptrdiff_t>(start);
       for (; candidate_count > 0; --candidate_count) {
-        const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(best_.base_index) + direction;
-        if (next < 0 || next >= static_cast<std::ptrdiff_t>(base_sizes_.size())) break;
-        if (!take_if_better(evaluate(static_cast<std::size_t>(next)))) break;
+        position += direction;
+        if (position < 0 || position >= static_cast<std::ptrdiff_t>(base_sizes_.size())) break;
+        if (!take_if_better(evaluate(static_cast<std::size_t>(position)))) break;
       }
       if (candidate_count > 0) --candidate_count;  // the one that ended this side
-      if (best_.base_index != start) break;        // the minimum lies on this side
+      if (cost_of(best_.trial) < kClearGain * start_cost) break;
     }
   }
 
@@ -487,6 +506,7 @@ class MeshEncoder {
       trial.quality_layer_count = options_.quality_layer_count;
       trial.keep_correspondences = true;
       const double excess = target_ratio(options_.target, best_.trial);
+      trial.is_final = true;
       const double step = best_.trial.normal_step * std::clamp(std::pow(0.995 / excess, 1.6), 0.5, 0.985);
       best_.trial = try_step(*best_.candidate, options_.target, description_, step, trial);
     }
@@ -506,25 +526,29 @@ class MeshEncoder {
     }
   }
 
+  bool spends_slack() const { return options_.target.kind == TargetKind::kRmsError && options_.effort >= 4; }
+
   /// The search stops a little inside the target; what is left of it is worth a percent of the bytes.
   void spend_slack() {
-    constexpr double kNoSlack = 0.995;
+    constexpr double kNoSlack = 0.993;
     constexpr int kTries = 2;
-    if (!best_.met || options_.target.kind != TargetKind::kRmsError || options_.effort < 4) return;
+    if (!best_.met || !spends_slack()) return;
+    TrialOptions options;
+    options.quality_layer_count = options_.quality_layer_count;
+    options.keep_correspondences = true;
     double ratio = target_ratio(options_.target, best_.trial), step = best_.trial.normal_step;
     for (int tries = 0; tries < kTries && ratio < kNoSlack; ++tries) {
-      TrialOptions trial;
-      trial.quality_layer_count = options_.quality_layer_count;
-      trial.keep_correspondences = true;
       const double aim = 0.5 * (1 + kNoSlack) * options_.target.value;
-      const double share = error_share(*best_.candidate, best_.trial);
-      const double wanted = step_for_rms(*best_.candidate, aim, share);
+      const double wanted = step_for_rms(*best_.candidate, aim, noise_of(*best_.candidate, best_.trial, false), false);
       step = tries == 0 ? std::clamp(wanted, 1.001 * step, 1.1 * step) : std::sqrt(step * best_.trial.normal_step);
-      Trial next = try_step(*best_.candidate, options_.target, description_, step, trial);
-      if (target_ratio(options_.target, next) > 1 || next.byte_count >= best_.trial.byte_count) continue;
+      Trial next = try_step(*best_.candidate, options_.target, description_, step, options);
+      if (target_ratio(options_.target, next) > 1 || priced_bytes(next) >= priced_bytes(best_.trial)) continue;
       best_.trial = std::move(next);
       ratio = target_ratio(options_.target, best_.trial);
     }
+    options.is_final = true;
+    Trial repaired = repair_spikes(*best_.candidate, options_.target, description_, options, best_.trial);
+    if (target_ratio(options_.target, repaired) <= 1) best_.trial = std::move(repaired);
   }
 
   const TriangleMesh& input_;
@@ -542,7 +566,7 @@ class MeshEncoder {
   double finer_ = 1;
   double tension_ = 1;
   double step_guess_ = 0;
-  double error_share_ = kUsualErrorShare;  // of the last candidate
+  QuantizationNoise noise_;  // of the last candidate
   std::shared_ptr<const Parameterization> parameterization_;  // the last one, of parameterized_index_
   std::size_t parameterized_index_ = 0;
   Outcome best_;

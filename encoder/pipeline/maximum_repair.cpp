@@ -14,8 +14,6 @@ namespace nmc {
 
 namespace {
 
-/// Places are brought a little inside the tolerance, so that rounding does not push them out again.
-constexpr double kMargin = 0.9;
 /// The first rounds bring the tips back; later ones settle the contradictions between neighbours.
 constexpr int kFirstDampedRound = 2;
 constexpr double kDamping = 0.7;
@@ -59,7 +57,7 @@ std::size_t collect_wishes(const SurfaceIndex& input, const std::vector<Vec3>& p
                            const MaximumRepairOptions& options, Wishes& wishes) {
   const double tolerance = options.tolerance;
   const SurfaceIndex surface(positions, faces);
-  const double near = kMargin * tolerance;
+  const double near = options.margin * tolerance;
   std::vector<Place> places;
   std::size_t beyond = 0;
   const auto keep_found = [&](const std::vector<Place>& found) {

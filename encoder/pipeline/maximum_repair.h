@@ -17,6 +17,9 @@ namespace nmc {
 
 struct MaximumRepairOptions {
   double tolerance = 0;      // in units of the mesh
+  /// Places farther off than this share of the tolerance are brought in, so that their neighbours' rounding does not
+  /// push them out again. Where a step is as long as the tolerance, 1: else they would be pushed to and fro.
+  double margin = 0.9;
   int maximum_rounds = 8;
   /// Rounds without progress after which the rest are left out.
   int patience = 6;

@@ -36,12 +36,25 @@ double target_ratio(const Target& target, const Trial& trial);
 Trial try_step(Candidate& candidate, const Target& target, const StreamDescription& description, double step,
                const TrialOptions& options);
 
-/// The step with which `candidate` should reach an RMS error, from the share of the step that quantization leaves as
-/// error: rms^2 = floor^2 + (share step)^2, with the error of the fit as the floor.
-double step_for_rms(const Candidate& candidate, double rms, double share);
-/// That share, as a trial shows it.
-double error_share(const Candidate& candidate, const Trial& trial);
-inline constexpr double kUsualErrorShare = 0.125;
+/// Bytes go with the error to this power, near enough to compare two trials whose errors differ by a third.
+inline constexpr double kBytesOverError = -1.05;
+
+/// What try_step() does at its end where the target is no maximum error: brings back places many RMS errors away, where
+/// that is cheap. A final trial is looked at more closely.
+Trial repair_spikes(const Candidate& candidate, const Target& target, const StreamDescription& description,
+                    const TrialOptions& options, Trial trial);
+
+/// What quantization adds to the error of the fit, as one trial has shown it: rms^2 = floor^2 + noise^2. The noise goes
+/// with a power of the step below one, as ever more coefficients are zero already, and falls with more vertices.
+struct QuantizationNoise {
+  double noise = 0.125, step = 1;  // in the same units; a first guess is proportional
+  double vertex_count = 0;         // of the candidate; 0: of none
+};
+
+/// `is_first`: of the candidate's trials. Later ones keep correspondences, and that lowers the noise a little.
+QuantizationNoise noise_of(const Candidate& candidate, const Trial& trial, bool is_first);
+/// The step with which `candidate` should reach an RMS error in its first or a later trial.
+double step_for_rms(const Candidate& candidate, double rms, const QuantizationNoise& known, bool is_first);
 
 /// An RMS error is sought by that law of squares, inside a bracket by secants in logarithms; a size by secants alone.
 /// `first_step` is a guess. For a maximum error trials are repaired where they miss it (Candidate::repair).
