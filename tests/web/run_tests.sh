@@ -30,4 +30,7 @@ fi
 install "$here"
 install "$root/viewer"
 cd "$here"
+if [ "$1" = viewer ]; then
+  node --test steps.test.mjs
+fi
 exec node --test "$1.test.mjs"
