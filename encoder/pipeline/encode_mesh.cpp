@@ -531,20 +531,22 @@ class MeshEncoder {
   /// The search stops a little inside the target; what is left of it is worth a percent of the bytes.
   void spend_slack() {
     constexpr double kNoSlack = 0.993;
-    constexpr int kTries = 2;
+    constexpr int kTries = 3;
     if (!best_.met || !spends_slack()) return;
     TrialOptions options;
     options.quality_layer_count = options_.quality_layer_count;
     options.keep_correspondences = true;
-    double ratio = target_ratio(options_.target, best_.trial), step = best_.trial.normal_step;
-    for (int tries = 0; tries < kTries && ratio < kNoSlack; ++tries) {
-      const double aim = 0.5 * (1 + kNoSlack) * options_.target.value;
+    double too_long = std::numeric_limits<double>::infinity();
+    for (int tries = 0; tries < kTries && target_ratio(options_.target, best_.trial) < kNoSlack; ++tries) {
+      const double aim = 0.5 * (1 + kNoSlack) * options_.target.value, step = best_.trial.normal_step;
       const double wanted = step_for_rms(*best_.candidate, aim, noise_of(*best_.candidate, best_.trial, false), false);
-      step = tries == 0 ? std::clamp(wanted, 1.001 * step, 1.1 * step) : std::sqrt(step * best_.trial.normal_step);
-      Trial next = try_step(*best_.candidate, options_.target, description_, step, options);
-      if (target_ratio(options_.target, next) > 1 || priced_bytes(next) >= priced_bytes(best_.trial)) continue;
-      best_.trial = std::move(next);
-      ratio = target_ratio(options_.target, best_.trial);
+      const double longer = std::min(std::clamp(wanted, 1.002 * step, 1.1 * step), std::sqrt(step * too_long));
+      Trial next = try_step(*best_.candidate, options_.target, description_, longer, options);
+      if (target_ratio(options_.target, next) > 1 || priced_bytes(next) >= priced_bytes(best_.trial)) {
+        too_long = longer;
+      } else {
+        best_.trial = std::move(next);
+      }
     }
     options.is_final = true;
     Trial repaired = repair_spikes(*best_.candidate, options_.target, description_, options, best_.trial);
