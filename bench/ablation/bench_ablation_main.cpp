@@ -8,7 +8,7 @@
 //   closed loop          the interpolating mesh, each level pierced from the decoded coarser one; no least
 //   squares fit, rounded         the global fit, every coefficient rounded by itself fit, quantized       the
 //   global fit with its quantizer
-//   + smoothing level    one more level that the decoder only predicts
+//   + smoothing level    one more level that the decoder only predicts, or the last one only predicted
 //   + chosen base size   the whole encoder
 // Decibels are against the open loop at the open loop's bytes: a row's bytes at two errors give the power by
 // which its error falls with its bytes. So at least two errors are needed for them.

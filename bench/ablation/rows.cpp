@@ -9,6 +9,7 @@
 #include "encoder/fit/round_mesh.h"
 #include "encoder/pipeline/encode_mesh.h"
 #include "encoder/pipeline/renumber.h"
+#include "libnmc/common/format.h"
 
 namespace nmc_bench {
 
@@ -53,9 +54,7 @@ class Ablation {
         add("fit, rounded", i, level_count, quantize, kFirstStepOneGo);
       add_quantized("fit, quantized", fitted);
     }
-    candidate.smoothing_level_count = 1;
-    Candidate smoothed(parameterization_, scan_.reference, candidate);
-    add_quantized("+ smoothing level", smoothed);
+    add_smoothed();
     return std::move(rows_);
   }
 
@@ -112,9 +111,9 @@ class Ablation {
     }
   }
 
-  /// False, and no row, where no step meets the error and `stores_failure` is not set.
-  bool add(const std::string& name, std::size_t error, int level_count, const Quantize& quantize,
-           double first_step, bool stores_failure = true) {
+  /// Not met where no step reaches the error.
+  Row made(const std::string& name, std::size_t error, int level_count, const Quantize& quantize,
+           double first_step) const {
     Row row{name, base_size(), level_count, 0, 0, {}, {}};
     try {
       const Coded coded =
@@ -125,24 +124,62 @@ class Ablation {
       row.error = coded.error;
     } catch (const Error& failure) {
       if (failure.code() != ExitCode::kTargetNotMet) throw;
-      if (!stores_failure) return false;
     }
+    return row;
+  }
+
+  /// False, and no row, where no step reaches the error and `stores_failure` is not set.
+  bool add(const std::string& name, std::size_t error, int level_count, const Quantize& quantize,
+           double first_step, bool stores_failure = true) {
+    Row row = made(name, error, level_count, quantize, first_step);
+    if (!row.is_met() && !stores_failure) return false;
     store(error, std::move(row));
     return true;
   }
 
-  void add_quantized(const std::string& name, Candidate& candidate) {
-    bool is_first = true;
-    const Quantize quantize = [&](double step) {
+  static Quantize quantized(const Scan& scan, Candidate& candidate) {
+    return [&scan, &candidate, is_first = true](double step) mutable {
       TrialOptions trial_options;
       trial_options.measure_sample_count = static_cast<int>(kFewSamples);
       trial_options.keep_correspondences = !std::exchange(is_first, false);
-      Trial trial = candidate.quantize(step, scan_.description, trial_options);
+      Trial trial = candidate.quantize(step, scan.description, trial_options);
       return Coded{
           trial.steps, std::move(trial.mesh), borrowed(candidate.hierarchy()), candidate.base_creases(), 0,
           trial.error};
     };
+  }
+
+  void add_quantized(const std::string& name, Candidate& candidate) {
+    const Quantize quantize = quantized(scan_, candidate);
     for (std::size_t i = 0; i < rows_.size(); ++i) add(name, i, options_.level_count, quantize, kFirstStep);
+  }
+
+  /// One more level, predicted only: above all coded levels or in the place of the last, whichever takes
+  /// fewer bytes.
+  void add_smoothed() {
+    std::vector<Row> best(rows_.size());
+    for (Row& row : best) row.name = "+ smoothing level";
+    for (const int coded : {options_.level_count - 1, options_.level_count}) {
+      CandidateOptions options;
+      options.coded_level_count = coded;
+      options.smoothing_level_count = 1;
+      std::unique_ptr<Candidate> candidate;
+      for (std::size_t i = 0; i < rows_.size(); ++i) {
+        if (best[i].is_met() && least_byte_count(coded + 1) >= best[i].byte_count) continue;
+        if (!candidate) candidate = std::make_unique<Candidate>(parameterization_, scan_.reference, options);
+        Row row = made(best[i].name, i, coded, quantized(scan_, *candidate), kFirstStep);
+        if (row.is_met() && (!best[i].is_met() || row.byte_count < best[i].byte_count))
+          best[i] = std::move(row);
+      }
+    }
+    for (std::size_t i = 0; i < rows_.size(); ++i) store(i, std::move(best[i]));
+  }
+
+  /// Streams of so many levels are filled up to this: no decoder takes more vertices from fewer bytes
+  /// (spec 8.2).
+  std::size_t least_byte_count(int level) const {
+    const std::size_t vertex_count = (base_.faces.size() << (2 * level)) / 2;
+    return vertex_count > kFreeVertices ? (vertex_count - kFreeVertices) / kVerticesPerByte : 0;
   }
 
   std::uint32_t base_size() const { return static_cast<std::uint32_t>(base_.positions.size()); }
