@@ -9,6 +9,13 @@
 
 namespace nmc {
 
+namespace {
+
+/// Interpolated normals that turn away from their triangle by more than this (cosine of 26 degrees) are not smooth.
+constexpr double kSmoothCosine = 0.9;
+
+}  // namespace
+
 ReprojectionResult reproject_samples(const InputSurface& input, const LevelTopology& finest,
                                      const std::vector<Vec3>& positions, const ReprojectionOptions& options,
                                      std::vector<SurfaceSample>& samples) {
@@ -36,6 +43,12 @@ ReprojectionResult reproject_samples(const InputSurface& input, const LevelTopol
     Vec3 normal;
     for (std::size_t k = 0; k < 3; ++k) normal += hit.barycentric[k] * input.vertex_normals[t[k]];
     normal = normalized(normal, sample.normal);
+    if (input.has_creases) {
+      const Vec3& corner = input.index.positions()[t[0]];
+      const Vec3 own = normalized(
+          cross(input.index.positions()[t[1]] - corner, input.index.positions()[t[2]] - corner), normal);
+      if (dot(normal, own) < kSmoothCosine) normal = own;
+    }
     if (dot(normal, sample.normal) < options.minimum_normal_cosine) return Tally{0, 1, 0};
     const double move = distance(hit.position, sample.target);
     sample.target = hit.position;

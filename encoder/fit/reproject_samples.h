@@ -20,6 +20,8 @@ namespace nmc {
 struct InputSurface {
   const SurfaceIndex& index;
   const std::vector<Vec3>& vertex_normals;  // unit, of the index's vertices
+  /// Beside a crease the mean of both sides is the normal of neither: there a triangle's own normal counts.
+  bool has_creases = false;
 };
 
 struct ReprojectionOptions {

@@ -7,6 +7,7 @@
 
 #include "encoder/fit/quality_layers.h"
 #include "encoder/measure/compare_meshes.h"
+#include "encoder/normal_mesh/closest_samples.h"
 #include "encoder/normal_mesh/sample_correspondences.h"
 #include "encoder/pipeline/maximum_repair.h"
 #include "encoder/pipeline/renumber.h"
@@ -43,7 +44,7 @@ Candidate::Candidate(const ParameterizedSurface& surface, const ParameterizedBas
   report(progress, "normal mesh", 0);
   state.index = std::make_unique<SurfaceIndex>(surface.surface());
   state.vertex_normals = vertex_normals(surface.surface());
-  state.input = std::make_unique<InputSurface>(InputSurface{*state.index, state.vertex_normals});
+  state.input = std::make_unique<InputSurface>(InputSurface{*state.index, state.vertex_normals, false});
   InterpolatingOptions interpolating;
   interpolating.level_count = options.coded_level_count;
   interpolating.tension = options.tension;
@@ -68,9 +69,42 @@ Candidate::Candidate(const ParameterizedSurface& surface, const ParameterizedBas
   state.statistics.replaced_samples = sampled.replaced;
   state.statistics.doubtful_samples = sampled.doubtful;
 
-  const StreamOrder order = stream_order(interpolated.mesh.hierarchy);
+  fit(interpolated.mesh, std::move(samples), progress);
+}
+
+Candidate::Candidate(const TriangleMesh& base, const TriangleMesh& surface, const ReferenceSurface& reference,
+                     const CandidateOptions& options, const Progress& progress)
+    : state_(std::make_unique<State>()) {
+  State& state = *state_;
+  state.reference = &reference;
+  state.options = options;
+  state.index = std::make_unique<SurfaceIndex>(surface);
+  state.vertex_normals = vertex_normals(surface);
+  state.input = std::make_unique<InputSurface>(InputSurface{*state.index, state.vertex_normals, true});
+  NormalMesh mesh;
+  mesh.base_positions = base.positions;
+  mesh.hierarchy = SubdivisionHierarchy(base.triangles, static_cast<std::uint32_t>(base.vertex_count()),
+                                        options.coded_level_count);
+  mesh.tension.assign(static_cast<std::size_t>(options.coded_level_count), options.tension);
+  for (int l = 0; l < options.coded_level_count; ++l) {
+    const std::size_t edge_count = mesh.hierarchy.level(l).edge_count;
+    mesh.details.emplace_back(edge_count);
+    mesh.non_normal.emplace_back(edge_count, std::uint8_t{0});
+    state.statistics.odd_vertex_count += mesh.hierarchy.level(l).edge_count;
+  }
+  constexpr std::size_t kSamples = 80000;
+  std::vector<SurfaceSample> samples =
+      closest_samples(*state.index, mesh.hierarchy.level(options.coded_level_count),
+                      nmc::reconstruct(mesh, options.coded_level_count), kSamples);
+  fit(mesh, std::move(samples), progress);
+}
+
+void Candidate::fit(const NormalMesh& mesh, std::vector<SurfaceSample> samples, const Progress& progress) {
+  State& state = *state_;
+  const CandidateOptions& options = state.options;
+  const StreamOrder order = stream_order(mesh.hierarchy);
   state.base_creases = order.base_creases;
-  state.mesh = renumber(interpolated.mesh, order, samples);
+  state.mesh = renumber(mesh, order, samples);
   state.statistics.base_vertex_count = state.mesh.hierarchy.level(0).vertex_count;
   state.statistics.base_face_count = state.mesh.hierarchy.level(0).face_count;
   for (int i = 0; i < options.smoothing_level_count; ++i) {
@@ -79,10 +113,10 @@ Candidate::Candidate(const ParameterizedSurface& surface, const ParameterizedBas
   }
 
   report(progress, "fit", 0);
-  GlobalFitOptions fit;
-  fit.coded_level_count = options.coded_level_count;
-  fit.reprojection_count = options.reprojection_count;
-  state.statistics.fit = global_fit(fit, state.input.get(), samples, state.mesh);
+  GlobalFitOptions fit_options;
+  fit_options.coded_level_count = options.coded_level_count;
+  fit_options.reprojection_count = options.reprojection_count;
+  state.statistics.fit = global_fit(fit_options, state.input.get(), samples, state.mesh);
   state.quantizer = std::make_unique<MeshQuantizer>(state.mesh, options.coded_level_count, std::move(samples),
                                                     state.input.get());
   report(progress, "fit", 1);

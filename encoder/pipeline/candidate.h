@@ -75,6 +75,10 @@ class Candidate {
   /// The same on any parameterized surface with a base, a sphere for one; neither is needed afterwards.
   Candidate(const ParameterizedSurface& surface, const ParameterizedBase& base, const ReferenceSurface& reference,
             const CandidateOptions& options, const Progress& progress = {});
+  /// With `base`, which lies near `surface`, as all there is but for what the fit adds: correspondences are closest points.
+  /// None of the two is needed afterwards.
+  Candidate(const TriangleMesh& base, const TriangleMesh& surface, const ReferenceSurface& reference,
+            const CandidateOptions& options, const Progress& progress = {});
   ~Candidate();
 
   const CandidateStatistics& statistics() const;
@@ -111,6 +115,9 @@ class Candidate {
                    const ColorStream* colors = nullptr) const;
   /// Size and error of trial.mesh.
   void assess(const StreamDescription& description, const TrialOptions& options, Trial& trial) const;
+
+  /// Takes `mesh` into the order of the stream and fits it to the samples: the last act of every constructor.
+  void fit(const NormalMesh& mesh, std::vector<SurfaceSample> samples, const Progress& progress);
 
   /// Vertices of the finest level before quantization.
   std::vector<Vec3> fitted_positions() const;
