@@ -29,9 +29,9 @@ export function program(variable, name) {
   throw new Error(`${name} is missing: install it or set ${variable}`);
 }
 
-/** What a program prints; it has five minutes, or options.timeout milliseconds (0: all it wants). */
+/** What a program prints; it has ten minutes, or options.timeout milliseconds (0: all it wants). */
 export const run = (path, args, options = {}) =>
-  execFileSync(path, args, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'], timeout: 300000, ...options });
+  execFileSync(path, args, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'], timeout: 600000, ...options });
 
 /** A folder that goes when the process ends. */
 export function temporaryFolder() {

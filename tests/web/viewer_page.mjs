@@ -36,7 +36,7 @@ export class ViewerPage {
   }
 
   /** Opens `url`; the window closes after the test `t`, whatever its end. A browser that does not close it is killed. */
-  static async open(t, browser, url, { width = 960, height = 600, ...options } = {}) {
+  static async open(t, browser, url, { width = 660, height = 500, ...options } = {}) {
     const context = await step('a new window', 120, () => browser.newContext({ viewport: { width, height }, ...options }));
     const page = await step('a new page', 120, () => context.newPage());
     const viewer = new ViewerPage(browser, context, page);
