@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "encoder/domain/extremities.h"
+#include "encoder/domain/link_condition.h"
 #include "encoder/domain/quadric.h"
 #include "encoder/domain/surface_chains.h"
 #include "encoder/domain/vertex_queue.h"
@@ -53,7 +54,7 @@ class Collapser {
         table_(history.coarsest),
         options_(options),
         queue_(history.coarsest.real_vertex_count()),
-        mark_(history.coarsest.vertex_slot_count(), 0) {
+        links_(history.coarsest) {
     normalize_positions();
     accumulate_quadrics();
     valence_.assign(table_.vertex_slot_count(), 0);
@@ -210,7 +211,7 @@ class Collapser {
     const std::uint32_t a = table_.vertex(CornerTable::previous(c));
     const Corner at_b = table_.opposite(CornerTable::previous(c));
     const std::uint32_t b = table_.vertex(at_b);
-    return valences_allow(v, u, a, b) && chain_survives(c) && leaves_no_chord(c) && link_condition(v, u) &&
+    return valences_allow(v, u, a, b) && chain_survives(c) && leaves_no_chord(c) && links_.holds(table_, v, u) &&
            faces_turn_little(c);
   }
 
@@ -249,29 +250,6 @@ class Collapser {
       if (w != a && w != b && history_.kinds[w] != VertexKind::kSmooth) return false;
     }
     return true;
-  }
-
-  /// link(v) and link(u) share exactly the two vertices opposite the edge: the result is a simplicial complex
-  /// of the same topology. (In closed surfaces with every valence above 3 or more than four vertices this is
-  /// sufficient; valences_allow excludes the tetrahedron.)
-  bool link_condition(std::uint32_t v, std::uint32_t u) {
-    if (++stamp_ == 0) {
-      std::fill(mark_.begin(), mark_.end(), 0u);
-      stamp_ = 1;
-    }
-    Corner c = table_.corner_at(v);
-    Corner d = c;
-    do {
-      mark_[table_.vertex(CornerTable::next(d))] = stamp_;
-      d = table_.rotate(d);
-    } while (d != c);
-    int common = 0;
-    c = d = table_.corner_at(u);
-    do {
-      common += mark_[table_.vertex(CornerTable::next(d))] == stamp_;
-      d = table_.rotate(d);
-    } while (d != c);
-    return common == 2;
   }
 
   bool faces_turn_little(Corner c) const {
@@ -354,8 +332,7 @@ class Collapser {
   std::vector<Quadric> quadrics_;
   std::vector<double> own_error_;
   std::vector<int> valence_;
-  std::vector<std::uint32_t> mark_;
-  std::uint32_t stamp_ = 0;
+  LinkCondition links_;
   std::size_t live_count_ = 0;
   std::vector<Candidate> candidates_;
   std::vector<std::uint32_t> extremities_;  // most prominent first; the first protected_count_ may not go

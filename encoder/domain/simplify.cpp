@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "encoder/domain/link_condition.h"
 #include "encoder/domain/quadric.h"
 #include "encoder/domain/vertex_queue.h"
 
@@ -49,7 +50,7 @@ class Simplifier {
   explicit Simplifier(const TriangleMesh& mesh)
       : table_(mesh.vertex_count(), mesh.triangles),
         queue_(table_.real_vertex_count()),
-        mark_(table_.vertex_slot_count(), 0) {
+        links_(table_) {
     // Centred and of unit size: the quadrics' constants lose no digits then.
     const BoundingBox box = bounding_box(mesh);
     center_ = box.center();
@@ -186,27 +187,7 @@ class Simplifier {
     if (merged < 3 || merged > kMaximumValence) return false;
     for (const std::uint32_t w : {a, b})
       if (!table_.is_ghost_vertex(w) && table_.valence(w) < 4) return false;
-    return link_condition(v, u) && faces_turn_little(v, u, merge.position) && faces_turn_little(u, v, merge.position);
-  }
-
-  /// The links share exactly the two vertices opposite the edge (see maps_collapse.cpp).
-  bool link_condition(std::uint32_t v, std::uint32_t u) {
-    if (++stamp_ == 0) {
-      std::fill(mark_.begin(), mark_.end(), 0u);
-      stamp_ = 1;
-    }
-    Corner c = table_.corner_at(v), d = c;
-    do {
-      mark_[table_.vertex(CornerTable::next(d))] = stamp_;
-      d = table_.rotate(d);
-    } while (d != c);
-    int common = 0;
-    c = d = table_.corner_at(u);
-    do {
-      common += mark_[table_.vertex(CornerTable::next(d))] == stamp_;
-      d = table_.rotate(d);
-    } while (d != c);
-    return common == 2;
+    return links_.holds(table_, v, u) && faces_turn_little(v, u, merge.position) && faces_turn_little(u, v, merge.position);
   }
 
   bool faces_turn_little(std::uint32_t v, std::uint32_t other, const Vec3& target) const {
@@ -259,8 +240,7 @@ class Simplifier {
   Vec3 center_;
   double scale_ = 1;
   std::vector<std::uint8_t> boundary_;
-  std::vector<std::uint32_t> mark_;
-  std::uint32_t stamp_ = 0;
+  LinkCondition links_;
   std::size_t live_count_ = 0;
   std::vector<Merge> merges_;
 };
