@@ -231,7 +231,11 @@ export async function traceMainThread(browser, page) {
       const mains = new Set(traceEvents.filter(({ name, args }) => name === 'thread_name' && args.name === 'CrRendererMain')
         .map(({ pid, tid }) => `${pid}/${tid}`));
       const events = traceEvents.filter(({ ph, pid, tid }) => ph === 'X' && delays.has(pid) && mains.has(`${pid}/${tid}`));
-      const tasks = events.filter(({ name }) => /RunTask$/.test(name));
+      // A window closed before this one may have had the same process, which takes its compositor down now. The page that is
+      // looked at keeps its own until after the trace.
+      const closings = events.filter(({ name }) => name === 'LayerTreeHost::~LayerTreeHost');
+      const tasks = events.filter(({ name, pid, ts, dur }) => /RunTask$/.test(name) &&
+        !closings.some((closing) => closing.pid === pid && closing.ts >= ts && closing.ts + closing.dur <= ts + dur));
       const longest = { wall: 0, processor: 0, held: 0 };
       let slowest = null;
       for (const task of tasks) {
