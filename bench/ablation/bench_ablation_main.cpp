@@ -3,13 +3,20 @@
 //
 // Every row is a whole stream by the real coder, header and layer table included, at the coarsest step whose
 // decoded mesh meets the error, measured both ways over the diagonal. All rows but the last share one base
-// and one number of levels: those that the whole encoder tries first.
+// and one number of levels (--base, --levels).
+//
 //   open loop            the interpolating mesh, every coefficient rounded by itself
-//   closed loop          the interpolating mesh, each level pierced from the decoded coarser one; no least
-//   squares fit, rounded         the global fit, every coefficient rounded by itself fit, quantized       the
-//   global fit with its quantizer
+//
+//   closed loop          the same, each level pierced from the decoded coarser one; no least squares
+//
+//   fit, rounded         the global fit, every coefficient rounded by itself
+//
+//   fit, quantized       the global fit with its quantizer
+//
 //   + smoothing level    one more level that the decoder only predicts, or the last one only predicted
+//
 //   + chosen base size   the whole encoder
+//
 // Decibels are against the open loop at the open loop's bytes: a row's bytes at two errors give the power by
 // which its error falls with its bytes. So at least two errors are needed for them.
 #include <fmt/core.h>

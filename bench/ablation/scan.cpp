@@ -42,14 +42,7 @@ Steps steps_of(const Scan& scan, double finest_normal_step, int level_count, con
   Steps steps;
   steps.stream = stream_steps(finest_normal_step, level_count, options.eighths_per_level,
                               options.eighths_base_to_level_0, options.eighths_tangential);
-  QuantizeOptions& quantize = steps.quantize;
-  quantize.normal_step = steps.stream.normal_step(level_count - 1);
-  quantize.step_ratio = std::exp2(options.eighths_per_level / 8.0);
-  quantize.tangential_ratio = std::exp2(options.eighths_tangential / 8.0);
-  quantize.base_step_factor = std::exp2((options.eighths_per_level - options.eighths_base_to_level_0) / 8.0);
-  quantize.base_origin = stream_origin(steps.stream, scan.description.box.minimum).position(steps.stream) -
-                         scan.reference.center;
-  quantize.lambda_factor = options.lambda_factor;
+  steps.quantize = quantize_options(steps.stream, level_count, scan.description, scan.reference.center, options);
   return steps;
 }
 

@@ -21,7 +21,7 @@ GalerkinMatrix matrix_of(const QuadraticEnergy& energy) {
     m.block.push_back(energy.diagonal_blocks()[v]);
     for (std::uint32_t k = energy.neighbor_begin()[v]; k < energy.neighbor_begin()[v + 1]; ++k) {
       m.column.push_back(energy.neighbors()[k].vertex);
-      m.block.push_back(energy.edge_blocks()[energy.neighbors()[k].edge]);
+      m.block.push_back(energy.neighbor_blocks()[k]);
     }
   }
   m.row_begin[vertex_count] = m.column.size();

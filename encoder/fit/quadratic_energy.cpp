@@ -117,7 +117,7 @@ void QuadraticEnergy::assemble(const std::vector<SurfaceSample>& samples, const 
   };
 
   diagonal_.assign(finest_.vertex_count, {});
-  edges_.assign(finest_.edge_count, {});
+  std::vector<SymmetricMatrix3> edges(finest_.edge_count);
   reference_ = reference;
   reference_gradient_.assign(finest_.vertex_count, {});
   reference_energy_ = 0;
@@ -133,7 +133,7 @@ void QuadraticEnergy::assemble(const std::vector<SurfaceSample>& samples, const 
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t corner = 3 * (first + i) + k;
         diagonal_[finest_.face_vertices[corner]] += c.diagonal[k];
-        edges_[finest_.face_edges[corner]] += c.opposite[k];
+        edges[finest_.face_edges[corner]] += c.opposite[k];
         reference_gradient_[finest_.face_vertices[corner]] += c.gradient[k];
       }
       reference_energy_ += c.energy;
@@ -142,7 +142,7 @@ void QuadraticEnergy::assemble(const std::vector<SurfaceSample>& samples, const 
   }
   // Each block twice, but in the order in which products take them: they wait for memory, not for arithmetic.
   neighbor_blocks_.resize(neighbors_.size());
-  parallel_for(neighbors_.size(), [&](std::size_t k) { neighbor_blocks_[k] = edges_[neighbors_[k].edge]; });
+  parallel_for(neighbors_.size(), [&](std::size_t k) { neighbor_blocks_[k] = edges[neighbors_[k].edge]; });
 }
 
 void QuadraticEnergy::multiply(const std::vector<Vec3>& v, std::vector<Vec3>& product) const {

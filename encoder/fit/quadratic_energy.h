@@ -58,7 +58,7 @@ struct QuadraticEnergyOptions {
   double spike_distance = 0;
 };
 
-/// Memory: about 350 bytes per vertex.
+/// Memory: about 270 bytes per vertex.
 class QuadraticEnergy {
  public:
   /// `finest` must outlive the object.
@@ -85,7 +85,8 @@ class QuadraticEnergy {
     std::uint32_t vertex, edge;
   };
   const std::vector<SymmetricMatrix3>& diagonal_blocks() const { return diagonal_; }
-  const std::vector<SymmetricMatrix3>& edge_blocks() const { return edges_; }
+  /// Of neighbors()[k] with its vertex: each edge's block stands here twice.
+  const std::vector<SymmetricMatrix3>& neighbor_blocks() const { return neighbor_blocks_; }
   const std::vector<std::uint32_t>& neighbor_begin() const { return neighbor_begin_; }
   const std::vector<Neighbor>& neighbors() const { return neighbors_; }
 
@@ -93,7 +94,7 @@ class QuadraticEnergy {
   const LevelTopology& finest_;
   std::vector<std::uint32_t> neighbor_begin_;
   std::vector<Neighbor> neighbors_;
-  std::vector<SymmetricMatrix3> diagonal_, edges_, neighbor_blocks_;
+  std::vector<SymmetricMatrix3> diagonal_, neighbor_blocks_;
   std::vector<Vec3> reference_, reference_gradient_;
   double reference_energy_ = 0, total_weight_ = 0;
 };

@@ -164,20 +164,26 @@ bool Candidate::is_out_of_reach(double tolerance) const {
   return static_cast<double>(beyond) > MaximumRepairOptions{}.largest_share * static_cast<double>(positions.size());
 }
 
+QuantizeOptions quantize_options(const StreamSteps& steps, int coded_level_count, const StreamDescription& description,
+                                 const Vec3& center, const TrialOptions& options) {
+  QuantizeOptions quantize;
+  quantize.normal_step = steps.normal_step(coded_level_count - 1);
+  quantize.step_ratio = std::exp2(options.eighths_per_level / 8.0);
+  quantize.tangential_ratio = std::exp2(options.eighths_tangential / 8.0);
+  quantize.base_step_factor = std::exp2((options.eighths_per_level - options.eighths_base_to_level_0) / 8.0);
+  quantize.base_origin = stream_origin(steps, description.box.minimum).position(steps) - center;
+  quantize.lambda_factor = options.lambda_factor;
+  return quantize;
+}
+
 Trial Candidate::quantize(double normal_step, const StreamDescription& description, const TrialOptions& options) {
   Trial trial;
   const int layer_count = options.quality_layer_count;
   trial.steps = stream_steps(normal_step, state_->options.coded_level_count, options.eighths_per_level,
                              options.eighths_base_to_level_0, options.eighths_tangential);
   trial.layer_ratio = layer_count > 1 ? options.layer_ratio : 1;
-  QuantizeOptions quantize;
-  quantize.normal_step = trial.steps.normal_step(state_->options.coded_level_count - 1);
-  quantize.step_ratio = std::exp2(options.eighths_per_level / 8.0);
-  quantize.tangential_ratio = std::exp2(options.eighths_tangential / 8.0);
-  quantize.base_step_factor = std::exp2((options.eighths_per_level - options.eighths_base_to_level_0) / 8.0);
-  quantize.base_origin = stream_origin(trial.steps, description.box.minimum).position(trial.steps) -
-                         state_->reference->center;
-  quantize.lambda_factor = options.lambda_factor;
+  QuantizeOptions quantize = quantize_options(trial.steps, state_->options.coded_level_count, description,
+                                              state_->reference->center, options);
   quantize.keep_correspondences = options.keep_correspondences && layer_count == 1;
   trial.normal_step = quantize.normal_step;
   if (layer_count > 1) {

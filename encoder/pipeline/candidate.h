@@ -55,6 +55,10 @@ struct TrialOptions {
   bool is_final = false;              // a trial that may be the file: spikes are sought between vertices too
 };
 
+/// The steps of a stream's header as the quantizer takes them; `center` is the reference surface's.
+QuantizeOptions quantize_options(const StreamSteps& steps, int coded_level_count, const StreamDescription& description,
+                                 const Vec3& center, const TrialOptions& options);
+
 /// The outcome of quantizing with one step.
 struct Trial {
   double normal_step = 0;
