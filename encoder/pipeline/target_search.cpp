@@ -19,6 +19,14 @@ double target_ratio(const Target& target, const Trial& trial) {
   return 0;
 }
 
+bool repair_pays(const Trial& trial, const Trial& repaired) {
+  if (repaired.error.maximum >= trial.error.maximum) return false;
+  const double rms_gain = std::log(trial.error.rms / repaired.error.rms);
+  const double size_loss = std::log(static_cast<double>(repaired.byte_count) / static_cast<double>(trial.byte_count));
+  // Along the usual curve, bytes go with the error to the power of -1 or so; spikes count a little by themselves.
+  return size_loss < rms_gain + 0.02;
+}
+
 Trial repair_spikes(const Candidate& candidate, const Target& target, const StreamDescription& description,
                     const TrialOptions& options, Trial trial) {
   // A lost tip of a limb weighs as much in the mean as all the rest, and takes a few integers to bring back. Distances
@@ -35,10 +43,7 @@ Trial repair_spikes(const Candidate& candidate, const Target& target, const Stre
     repair.sample_count = 40000;  // the sides of spikes, between the vertices
   }
   candidate.repair(repair, description, options, repaired);
-  const double rms_gain = std::log(trial.error.rms / repaired.error.rms);
-  const double size_loss = std::log(static_cast<double>(repaired.byte_count) / static_cast<double>(trial.byte_count));
-  // Along the usual curve, bytes go with the error to the power of -1 or so; spikes count a little by themselves.
-  return size_loss < rms_gain + 0.02 ? repaired : trial;
+  return repair_pays(trial, repaired) ? repaired : trial;
 }
 
 Trial try_step(Candidate& candidate, const Target& target, const StreamDescription& description, double step,
