@@ -171,9 +171,8 @@ Sums measure_vertices(const std::vector<std::uint32_t>& vertices, const Triangle
 
 OneSidedDistance one_sided(const TriangleMesh& source, const TriangleMesh& target,
                            const SurfaceIndex& target_index, const CompareOptions& options) {
-  const std::size_t asked = options.sample_count != 0
-                                ? options.sample_count
-                                : std::max<std::size_t>(200'000, 2 * source.triangle_count());
+  const std::size_t asked =
+      options.sample_count != 0 ? options.sample_count : usual_sample_count(source.triangle_count());
   const AreaSamples samples(source.positions, source.triangles, asked);
   const bool has_area = samples.size() != 0;
   const Sums of_samples = measure_samples(samples, source, target, target_index, options);

@@ -17,6 +17,7 @@
 #ifndef NMC_ENCODER_MEASURE_COMPARE_MESHES_H_
 #define NMC_ENCODER_MEASURE_COMPARE_MESHES_H_
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -26,8 +27,13 @@
 
 namespace nmc {
 
+/// Points that a measurement takes on a source of so many triangles unless it is told otherwise.
+inline std::size_t usual_sample_count(std::size_t triangle_count) {
+  return std::max<std::size_t>(200'000, 2 * triangle_count);
+}
+
 struct CompareOptions {
-  /// Area-uniform points per direction; 0: the larger of 200,000 and twice the triangles of the source.
+  /// Area-uniform points per direction; 0: usual_sample_count() of the source.
   std::size_t sample_count = 0;
   bool original_to_result = true;
   bool result_to_original = true;

@@ -127,6 +127,7 @@ Candidate::~Candidate() = default;
 const CandidateStatistics& Candidate::statistics() const { return state_->statistics; }
 int Candidate::coded_level_count() const { return state_->options.coded_level_count; }
 const SubdivisionHierarchy& Candidate::hierarchy() const { return state_->mesh.hierarchy; }
+const ReferenceSurface& Candidate::reference() const { return *state_->reference; }
 const NormalMesh& Candidate::fitted_mesh() const { return state_->mesh; }
 const std::vector<std::uint8_t>& Candidate::base_creases() const { return state_->base_creases; }
 

@@ -88,6 +88,7 @@ class Candidate {
   const CandidateStatistics& statistics() const;
   int coded_level_count() const;
   const SubdivisionHierarchy& hierarchy() const;
+  const ReferenceSurface& reference() const;
   /// The mesh before quantization, in stream order.
   const NormalMesh& fitted_mesh() const;
   const std::vector<std::uint8_t>& base_creases() const;

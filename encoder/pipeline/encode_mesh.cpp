@@ -322,7 +322,8 @@ class MeshEncoder {
     constexpr int kTrialsOfLastResort = 12;
     const bool is_last_resort = outcome.candidate->statistics().base_vertex_count >= surface_.vertex_count();
     target_search.maximum_trials = is_last_resort ? kTrialsOfLastResort : plan_.trials_per_candidate;
-    target_search.trial.measure_sample_count = 60000;
+    // A maximum is what no point exceeds: it takes all of them.
+    target_search.trial.measure_sample_count = options_.target.kind == TargetKind::kMaximumError ? 0 : 60000;
     target_search.trial.quality_layer_count = options_.quality_layer_count;
     // Where no step can help, one trial for the record, unless another candidate has left one.
     if (options_.target.kind == TargetKind::kMaximumError && !is_last_resort &&
@@ -579,12 +580,15 @@ class MeshEncoder {
     report(options_.progress, "final measurement", 0);
     // The search measures with fewer samples; the verdict is that of the full measurement.
     best_.trial.error = best_.candidate->measured_error(best_.trial);
+    TrialOptions trial;
+    trial.quality_layer_count = options_.quality_layer_count;
+    trial.keep_correspondences = true;
+    trial.is_final = true;
+    if (best_.met && options_.target.kind == TargetKind::kMaximumError &&
+        target_ratio(options_.target, best_.trial) > 1)
+      repair_maximum_error(*best_.candidate, options_.target, description_, trial, best_.trial);
     for (int tries = 0; best_.met && target_ratio(options_.target, best_.trial) > 1 && tries < 6; ++tries) {
-      TrialOptions trial;
-      trial.quality_layer_count = options_.quality_layer_count;
-      trial.keep_correspondences = true;
       const double excess = target_ratio(options_.target, best_.trial);
-      trial.is_final = true;
       const double step = best_.trial.normal_step * std::clamp(std::pow(0.995 / excess, 1.6), 0.5, 0.985);
       best_.trial = try_step(*best_.candidate, options_.target, description_, step, trial);
     }

@@ -8,15 +8,20 @@
 
 #include "encoder/core/parallel.h"
 #include "encoder/measure/area_samples.h"
+#include "encoder/pipeline/place_settling.h"
 #include "libnmc/common/local_frame.h"
 
 namespace nmc {
 
 namespace {
 
-/// The first rounds bring the tips back; later ones settle the contradictions between neighbours.
-constexpr int kFirstDampedRound = 2;
-constexpr double kDamping = 0.7;
+/// Coarser vertices move everything around them, so they go no farther than they must: to this many tolerances.
+constexpr double kWithin = 0.85;
+
+/// More of them are first thinned out without a look at what each move does.
+constexpr std::size_t kManyPlaces = 250;
+/// So many times the best round's places: what is wished for only pushes the surface about.
+constexpr std::size_t kDiverged = 3;
 
 /// Wishes of the places beyond the tolerance: vertex of the mesh -> where it should move. Of several wishes the
 /// longest counts. Ordered, so the result does not depend on threads.
@@ -27,132 +32,152 @@ void wish(std::uint32_t vertex, const Vec3& move, Wishes& wishes) {
   if (!is_new && squared_norm(move) > squared_norm(at->second)) at->second = move;
 }
 
-/// The shortest joint move of the face's odd corners that brings its point at `barycentric` along by `move`,
-/// no corner going farther than `largest_factor` times the move. Where odd corners have no hold on the point
-/// the nearest corner moves.
+/// The corner that moves is the nearest of those below `even_count`: what settling has left has to do with coarser levels.
 void wish_at(const Triangle& face, const double (&barycentric)[3], const Vec3& move, std::uint32_t even_count,
-             double largest_factor, Wishes& wishes) {
-  double squares = 0;
+             Wishes& wishes) {
+  constexpr double kLeastHold = 0.1;  // a corner with less of it does not move the place
+  std::size_t nearest = 3;
   for (std::size_t k = 0; k < 3; ++k)
-    if (face[k] >= even_count) squares += barycentric[k] * barycentric[k];
-  if (squares > 0.04) {
-    for (std::size_t k = 0; k < 3; ++k)
-      if (face[k] >= even_count && barycentric[k] > 0.05)
-        wish(face[k], std::min(barycentric[k] / squares, largest_factor) * move, wishes);
-  } else {
-    const auto nearest =
-        static_cast<std::size_t>(std::max_element(barycentric, barycentric + 3) - barycentric);
-    wish(face[nearest], move, wishes);
-  }
+    if (face[k] < even_count && barycentric[k] > kLeastHold && (nearest == 3 || barycentric[k] > barycentric[nearest])) nearest = k;
+  if (nearest < 3) wish(face[nearest], move, wishes);
 }
 
-/// A point of the mesh and where it should go.
-struct Place {
-  SurfacePoint at;
-  Vec3 move;
+/// All that one repair holds the mesh against.
+struct Measure {
+  const SurfaceIndex& input;
+  std::vector<Vec3> input_points;  // used vertices first, then points between them
+  const std::vector<Triangle>& faces;
+  double tolerance, near;
+  std::size_t mesh_sample_count;
 };
 
-std::size_t collect_wishes(const SurfaceIndex& input, const std::vector<Vec3>& positions,
-                           const std::vector<Triangle>& faces, std::uint32_t even_count,
-                           const MaximumRepairOptions& options, Wishes& wishes) {
-  const double tolerance = options.tolerance;
-  const SurfaceIndex surface(positions, faces);
-  const double near = options.margin * tolerance;
-  std::vector<Place> places;
-  std::size_t beyond = 0;
-  const auto keep_found = [&](const std::vector<Place>& found) {
-    for (const Place& place : found) {
-      if (!place.at.found()) continue;
-      beyond += norm(place.move) > tolerance;
-      places.push_back(place);
-    }
-  };
-  const auto of_input = [&](const Vec3& point) {
-    Place place;
-    if (surface.is_within(point, near)) return place;
-    place.at = surface.closest_point(point);
-    place.move = point - place.at.position;
-    return place;
-  };
-
+std::vector<Vec3> points_of(const SurfaceIndex& input, std::size_t sample_count) {
   std::vector<std::uint8_t> used(input.positions().size());
   for (const Triangle& t : input.triangles())
     for (const std::uint32_t v : t) used[v] = 1;
-  std::vector<Place> found(used.size());
-  parallel_for(found.size(), [&](std::size_t v) {
-    if (used[v]) found[v] = of_input(input.positions()[v]);
-  });
-  keep_found(found);
-
+  std::vector<Vec3> points;
+  for (std::size_t v = 0; v < used.size(); ++v)
+    if (used[v]) points.push_back(input.positions()[v]);
   // Vertices alone would miss what lies between them: large triangles of the input, and the sides of a spike.
-  const AreaSamples input_points(input.positions(), input.triangles(), options.sample_count);
-  found.assign(input_points.size(), {});
-  parallel_for(found.size(), [&](std::size_t i) { found[i] = of_input(input_points[i].position); });
-  keep_found(found);
+  const AreaSamples samples(input.positions(), input.triangles(), sample_count);
+  const std::size_t vertex_count = points.size();
+  points.resize(vertex_count + samples.size());
+  parallel_for(samples.size(), [&](std::size_t i) { points[vertex_count + i] = samples[i].position; });
+  return points;
+}
 
-  const AreaSamples mesh_points(positions, faces, options.sample_count);
+/// Places farther than `near`; `beyond` counts those farther than the tolerance.
+std::vector<Place> find_places(const Measure& measure, const SurfaceIndex& surface,
+                               const std::vector<Vec3>& positions, std::size_t& beyond) {
+  std::vector<Place> places;
+  beyond = 0;
+  std::vector<Place> found;
+  const auto keep_found = [&] {
+    for (const Place& place : found) {
+      if (!place.at.found()) continue;
+      beyond += norm(place.move) > measure.tolerance;
+      places.push_back(place);
+    }
+  };
+  found.assign(measure.input_points.size(), {});
+  parallel_for(found.size(), [&](std::size_t i) {
+    const Vec3& point = measure.input_points[i];
+    if (surface.is_within(point, measure.near)) return;
+    found[i].at = surface.closest_point(point);
+    found[i].move = point - found[i].at.position;
+  });
+  keep_found();
+
+  const AreaSamples mesh_points(positions, measure.faces, measure.mesh_sample_count);
   found.assign(mesh_points.size(), {});
   parallel_for(found.size(), [&](std::size_t i) {
     const AreaSample sample = mesh_points[i];
-    if (input.is_within(sample.position, near)) return;
+    if (measure.input.is_within(sample.position, measure.near)) return;
     Place& place = found[i];
     place.at.triangle = sample.triangle;
     std::copy_n(sample.barycentric, 3, place.at.barycentric);
-    place.move = input.closest_point(sample.position).position - sample.position;
+    place.move = measure.input.closest_point(sample.position).position - sample.position;
   });
-  keep_found(found);
-
-  const double largest_factor = options.sample_count > 0 ? 1 : std::numeric_limits<double>::infinity();
-  for (const Place& place : places)
-    wish_at(faces[place.at.triangle], place.at.barycentric, place.move, even_count, largest_factor, wishes);
+  keep_found();
 
   std::vector<Vec3> moves(positions.size());
   parallel_for(positions.size(), [&](std::size_t v) {
-    if (!input.is_within(positions[v], near))
-      moves[v] = input.closest_point(positions[v]).position - positions[v];
+    if (!measure.input.is_within(positions[v], measure.near))
+      moves[v] = measure.input.closest_point(positions[v]).position - positions[v];
   });
-  for (std::uint32_t v = 0; v < moves.size(); ++v) {
-    if (moves[v] == Vec3{}) continue;
-    beyond += norm(moves[v]) > tolerance;
-    wish(v, moves[v], wishes);
+  std::vector<std::uint8_t> is_told(positions.size(), 0);
+  for (std::uint32_t f = 0; f < measure.faces.size(); ++f) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = measure.faces[f][k];
+      if (moves[v] == Vec3{} || is_told[v]) continue;
+      is_told[v] = 1;
+      beyond += norm(moves[v]) > measure.tolerance;
+      Place place;
+      place.at.triangle = f;
+      place.at.barycentric[k] = 1;
+      place.move = moves[v];
+      places.push_back(place);
+    }
   }
-  return beyond;
+  return places;
 }
 
 std::int32_t rounded(double value) { return static_cast<std::int32_t>(std::lround(value)); }
 
+void add_tangential(std::uint32_t edge, std::int32_t along, std::int32_t across,
+                    std::vector<TangentialCoefficient>& list) {
+  if (along == 0 && across == 0) return;
+  const auto at = std::lower_bound(list.begin(), list.end(), edge,
+                                   [](const TangentialCoefficient& t, std::uint32_t e) { return t.edge < e; });
+  if (at == list.end() || at->edge != edge) {
+    list.insert(at, {edge, along, across});
+    return;
+  }
+  at->along += along;
+  at->across += across;
+  if (at->along == 0 && at->across == 0) list.erase(at);
+}
+
+/// Moves the vertices that have wishes. Finer ones around them would be carried along; integers hold those where they are
+/// that would go more than half a step.
 void grant(const Wishes& wishes, const SubdivisionHierarchy& hierarchy, const std::vector<Vec3>& positions,
-           double tolerance, QuantizedMesh& mesh) {
-  for (const auto& [vertex, move] : wishes) {
-    int level = 0;
-    while (level < mesh.level_count() && vertex >= hierarchy.level(level + 1).vertex_count) ++level;
-    if (level >= mesh.level_count()) continue;  // of a level without coefficients
-    const LevelTopology& topology = hierarchy.level(level);
-    if (vertex < topology.vertex_count) {  // of the base
-      for (std::size_t k = 0; k < 3; ++k)
-        mesh.base_coordinates[vertex][k] += rounded(move[static_cast<int>(k)] / mesh.base_step);
-      continue;
-    }
+           QuantizedMesh& mesh) {
+  for (auto at = wishes.begin(); at != wishes.end() && at->first < mesh.base_coordinates.size(); ++at)
+    for (std::size_t k = 0; k < 3; ++k)
+      mesh.base_coordinates[at->first][k] += rounded(at->second[static_cast<int>(k)] / mesh.base_step);
+  for (int level = 0; level < mesh.level_count(); ++level) {
     const auto l = static_cast<std::size_t>(level);
-    const std::uint32_t edge = vertex - topology.vertex_count;
+    const LevelTopology& topology = hierarchy.level(level);
     const LevelQuantizer& quantizer = mesh.quantizers[l];
-    const LocalFrame frame = odd_vertex_frame(topology, edge, positions.data());
-    const std::int32_t steps = rounded(dot(move, frame.normal) / quantizer.normal_step);
-    mesh.normal[l][edge] += steps;
-    const Vec3 rest = move - (steps * quantizer.normal_step) * frame.normal;
-    if (norm(rest) < 0.5 * tolerance) continue;
-    const std::int32_t along = rounded(dot(rest, frame.along) / quantizer.tangential_step);
-    const std::int32_t across = rounded(dot(rest, frame.across) / quantizer.tangential_step);
-    if (along == 0 && across == 0) continue;
-    auto& list = mesh.tangential[l];
-    const auto at = std::lower_bound(list.begin(), list.end(), edge,
-                                     [](const TangentialCoefficient& t, std::uint32_t e) { return t.edge < e; });
-    if (at != list.end() && at->edge == edge) {
-      at->along += along;
-      at->across += across;
-      if (at->along == 0 && at->across == 0) list.erase(at);
-    } else {
-      list.insert(at, {edge, along, across});
+    const std::vector<Vec3> moved = reconstruct(mesh, hierarchy, level + 1);
+    parallel_for(topology.edge_count, [&](std::size_t edge) {
+      const std::size_t vertex = topology.vertex_count + edge;
+      const Vec3 away = positions[vertex] - moved[vertex];
+      if (away == Vec3{}) return;
+      const Vec3 normal = odd_vertex_normal(topology, static_cast<std::uint32_t>(edge), moved.data());
+      mesh.normal[l][edge] += rounded(dot(away, normal) / quantizer.normal_step);
+    });
+    for (auto at = wishes.lower_bound(topology.vertex_count);
+         at != wishes.end() && at->first < topology.vertex_count + topology.edge_count; ++at) {
+      const std::uint32_t edge = at->first - topology.vertex_count;
+      const Vec3& move = at->second;
+      const LocalFrame frame = odd_vertex_frame(topology, edge, moved.data());
+      const double parts[3] = {dot(move, frame.normal), dot(move, frame.along), dot(move, frame.across)};
+      const double steps[3] = {quantizer.normal_step, quantizer.tangential_step, quantizer.tangential_step};
+      std::int32_t change[3] = {rounded(parts[0] / steps[0]), 0, 0};
+      if (std::hypot(parts[1], parts[2]) > 0.5 * norm(move)) {
+        change[1] = rounded(parts[1] / steps[1]);
+        change[2] = rounded(parts[2] / steps[2]);
+      }
+      if (change[0] == 0 && change[1] == 0 && change[2] == 0) {
+        // A move shorter than half a step would be made of nothing, every time.
+        std::size_t longest = 0;
+        for (std::size_t k = 1; k < 3; ++k)
+          if (std::abs(parts[k]) > std::abs(parts[longest])) longest = k;
+        change[longest] = parts[longest] < 0 ? -1 : 1;
+      }
+      mesh.normal[l][edge] += change[0];
+      add_tangential(edge, change[1], change[2], mesh.tangential[l]);
     }
   }
 }
@@ -180,13 +205,19 @@ MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionH
   const int finest = hierarchy.level_count();
   const std::vector<Triangle> faces = level_triangles(hierarchy.level(finest));
   const std::uint32_t even_count = finest > 0 ? hierarchy.level(finest - 1).vertex_count : 0;
-  const std::size_t considered = hierarchy.level(finest).vertex_count + 2 * options.sample_count;
+  const std::size_t considered = hierarchy.level(finest).vertex_count + options.input_sample_count + options.mesh_sample_count;
+  const Measure measure{input, points_of(input, options.input_sample_count), faces, options.tolerance,
+                        options.margin * options.tolerance, options.mesh_sample_count};
+  const double area = AreaSamples(input.positions(), input.triangles(), 1).total_area();
+  const double spacing = 0.7 * std::sqrt(area / static_cast<double>(std::max<std::size_t>(options.mesh_sample_count, 20000)));
+  const PlaceSettling settling(input, measure.input_points, hierarchy, faces, options.tolerance, spacing);
   QuantizedMesh best = mesh;
   int best_round = 0;
   for (; result.rounds < options.maximum_rounds; ++result.rounds) {
-    const std::vector<Vec3> positions = reconstruct(mesh, hierarchy, finest);
-    Wishes wishes;
-    const std::size_t beyond = collect_wishes(input, positions, faces, even_count, options, wishes);
+    std::vector<Vec3> positions = reconstruct(mesh, hierarchy, finest);
+    const SurfaceIndex surface(positions, faces);
+    std::size_t beyond = 0;
+    const std::vector<Place> places = find_places(measure, surface, positions, beyond);
     if (result.rounds == 0) {
       result.initial_beyond = result.final_beyond = beyond;
     } else if (beyond < result.final_beyond) {
@@ -195,11 +226,17 @@ MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionH
       best = mesh;
     }
     if (beyond == 0 || result.rounds - best_round >= options.patience) break;
+    if (beyond > kDiverged * result.final_beyond) break;
     if (static_cast<double>(beyond) > options.largest_share * static_cast<double>(considered)) break;
-    if (options.sample_count > 0 && result.rounds >= kFirstDampedRound) {
-      for (auto& [vertex, move] : wishes) move *= kDamping;
+    const bool is_settled = places.size() <= kManyPlaces;
+    const std::vector<Place> left = is_settled ? settling.settle(places, surface, positions, mesh) : places;
+    Wishes wishes;
+    for (const Place& place : left) {
+      const double part = 1 - kWithin * options.tolerance / norm(place.move);
+      if (part > 0)
+        wish_at(faces[place.at.triangle], place.at.barycentric, part * place.move, is_settled ? even_count : ~0u, wishes);
     }
-    grant(wishes, hierarchy, positions, options.tolerance, mesh);
+    grant(wishes, hierarchy, positions, mesh);
   }
   mesh = std::move(best);
   return result;

@@ -2,9 +2,9 @@
 // Brings single places of a quantized mesh within a tolerance.
 //
 // Least squares and rate-distortion decisions care for the mean; what they leave beyond a tolerance is a handful of
-// spikes and tips. Each of them is repaired where it is: the vertices nearest to it get other integers, normal ones
-// first and tangential ones where the normal does not point there. Vertices of the finest level move nothing but
-// themselves, so the repair converges in a few rounds of measuring and moving.
+// spikes and tips. Each of them is repaired where it is. Integers of the finest level are changed one by one, each change
+// measured (place_settling.h). What has to do with vertices of coarser levels is told to these: they go as far as they
+// must, and finer ones that would be carried along by half a step or more are held where they are.
 #ifndef NMC_ENCODER_PIPELINE_MAXIMUM_REPAIR_H_
 #define NMC_ENCODER_PIPELINE_MAXIMUM_REPAIR_H_
 
@@ -17,17 +17,16 @@ namespace nmc {
 
 struct MaximumRepairOptions {
   double tolerance = 0;      // in units of the mesh
-  /// Places farther off than this share of the tolerance are brought in, so that their neighbours' rounding does not
-  /// push them out again. Where a step is as long as the tolerance, 1: else they would be pushed to and fro.
-  double margin = 0.9;
+  /// Places farther off than this share of the tolerance are looked after.
+  double margin = 0.98;
   int maximum_rounds = 8;
   /// Rounds without progress after which the rest are left out.
-  int patience = 6;
+  int patience = 3;
   /// More places than this share of the vertices and points are no spikes: nothing is done.
   double largest_share = 0.01;
-  /// Area-uniform points of each surface that count beside the vertices: with the number that the measurement takes
-  /// they are its own points. Several of them may pull at one vertex, so moves are damped then. 0: vertices alone.
-  std::size_t sample_count = 0;
+  /// Area-uniform points of each surface that count beside the vertices: with those of the measurement
+  /// (usual_sample_count()) what is within the tolerance here is so there. 0: vertices alone.
+  std::size_t input_sample_count = 0, mesh_sample_count = 0;
 };
 
 /// Vertices of `input` (those its triangles use) and of the mesh that are farther than `tolerance` from the other

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "encoder/measure/compare_meshes.h"
+
 namespace nmc {
 
 double target_ratio(const Target& target, const Trial& trial) {
@@ -37,25 +39,33 @@ Trial repair_spikes(const Candidate& candidate, const Target& target, const Stre
   Trial repaired = trial;
   MaximumRepairOptions repair;
   repair.tolerance = spike;
+  repair.margin = 1;
   repair.maximum_rounds = 4;
   if (options.is_final) {
-    repair.margin = 1;
-    repair.sample_count = 40000;  // the sides of spikes, between the vertices
+    repair.maximum_rounds = 10;
+    repair.input_sample_count = repair.mesh_sample_count = 40000;  // the sides of spikes, between the vertices
   }
   candidate.repair(repair, description, options, repaired);
   return repair_pays(trial, repaired) ? repaired : trial;
+}
+
+void repair_maximum_error(const Candidate& candidate, const Target& target, const StreamDescription& description,
+                          const TrialOptions& options, Trial& trial) {
+  MaximumRepairOptions repair;
+  repair.tolerance = target.value;
+  repair.maximum_rounds = 24;
+  const LevelTopology& finest = candidate.hierarchy().level(candidate.hierarchy().level_count());
+  repair.input_sample_count =
+      options.is_final ? usual_sample_count(candidate.reference().mesh.triangle_count()) : usual_sample_count(0);
+  repair.mesh_sample_count = options.is_final ? usual_sample_count(finest.face_count) : usual_sample_count(0);
+  candidate.repair(repair, description, options, trial);
 }
 
 Trial try_step(Candidate& candidate, const Target& target, const StreamDescription& description, double step,
                const TrialOptions& options) {
   Trial trial = candidate.quantize(step, description, options);
   if (target.kind == TargetKind::kMaximumError) {
-    if (target_ratio(target, trial) <= 1) return trial;
-    MaximumRepairOptions repair;
-    repair.tolerance = target.value;
-    repair.maximum_rounds = 24;
-    repair.sample_count = 200000;  // the number that the final measurement takes at least
-    candidate.repair(repair, description, options, trial);
+    if (target_ratio(target, trial) > 1) repair_maximum_error(candidate, target, description, options, trial);
     return trial;
   }
   return repair_spikes(candidate, target, description, options, std::move(trial));

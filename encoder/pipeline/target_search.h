@@ -31,6 +31,11 @@ struct TargetSearchResult {
 /// What a target asks of a trial: at most 1 when it is met.
 double target_ratio(const Target& target, const Trial& trial);
 
+/// Brings the places of `trial` beyond a maximum error within it, where a few integers can; those of a final trial are
+/// sought as densely as the last measurement does.
+void repair_maximum_error(const Candidate& candidate, const Target& target, const StreamDescription& description,
+                          const TrialOptions& options, Trial& trial);
+
 /// One trial with `step`, its spikes repaired as the target asks: every place beyond a maximum error; for the other
 /// targets those far beyond the mean, where that pays.
 Trial try_step(Candidate& candidate, const Target& target, const StreamDescription& description, double step,
