@@ -20,8 +20,9 @@ constexpr double kWithin = 0.85;
 
 /// More of them are first thinned out without a look at what each move does.
 constexpr std::size_t kManyPlaces = 250;
-/// So many times the best round's places: what is wished for only pushes the surface about.
-constexpr std::size_t kDiverged = 3;
+constexpr std::uint32_t kAllVertices = 0xffffffffu;
+/// So many times the best round's places, and more than a few: what is wished for only pushes the surface about.
+constexpr std::size_t kDiverged = 3, kFewPlaces = 50;
 
 /// Wishes of the places beyond the tolerance: vertex of the mesh -> where it should move. Of several wishes the
 /// longest counts. Ordered, so the result does not depend on threads.
@@ -32,13 +33,16 @@ void wish(std::uint32_t vertex, const Vec3& move, Wishes& wishes) {
   if (!is_new && squared_norm(move) > squared_norm(at->second)) at->second = move;
 }
 
-/// The corner that moves is the nearest of those below `even_count`: what settling has left has to do with coarser levels.
+/// The corner that moves is the nearest of those below `even_count`: what settling has left has to do with coarser
+/// levels.
 void wish_at(const Triangle& face, const double (&barycentric)[3], const Vec3& move, std::uint32_t even_count,
              Wishes& wishes) {
   constexpr double kLeastHold = 0.1;  // a corner with less of it does not move the place
   std::size_t nearest = 3;
   for (std::size_t k = 0; k < 3; ++k)
-    if (face[k] < even_count && barycentric[k] > kLeastHold && (nearest == 3 || barycentric[k] > barycentric[nearest])) nearest = k;
+    if (face[k] < even_count && barycentric[k] > kLeastHold &&
+        (nearest == 3 || barycentric[k] > barycentric[nearest]))
+      nearest = k;
   if (nearest < 3) wish(face[nearest], move, wishes);
 }
 
@@ -138,8 +142,8 @@ void add_tangential(std::uint32_t edge, std::int32_t along, std::int32_t across,
   if (at->along == 0 && at->across == 0) list.erase(at);
 }
 
-/// Moves the vertices that have wishes. Finer ones around them would be carried along; integers hold those where they are
-/// that would go more than half a step.
+/// Moves the vertices that have wishes. Finer ones around them would be carried along; integers hold those where they
+/// are that would go more than half a step.
 void grant(const Wishes& wishes, const SubdivisionHierarchy& hierarchy, const std::vector<Vec3>& positions,
            QuantizedMesh& mesh) {
   for (auto at = wishes.begin(); at != wishes.end() && at->first < mesh.base_coordinates.size(); ++at)
@@ -205,11 +209,13 @@ MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionH
   const int finest = hierarchy.level_count();
   const std::vector<Triangle> faces = level_triangles(hierarchy.level(finest));
   const std::uint32_t even_count = finest > 0 ? hierarchy.level(finest - 1).vertex_count : 0;
-  const std::size_t considered = hierarchy.level(finest).vertex_count + options.input_sample_count + options.mesh_sample_count;
+  const std::size_t considered =
+      hierarchy.level(finest).vertex_count + options.input_sample_count + options.mesh_sample_count;
   const Measure measure{input, points_of(input, options.input_sample_count), faces, options.tolerance,
                         options.margin * options.tolerance, options.mesh_sample_count};
   const double area = AreaSamples(input.positions(), input.triangles(), 1).total_area();
-  const double spacing = 0.7 * std::sqrt(area / static_cast<double>(std::max<std::size_t>(options.mesh_sample_count, 20000)));
+  const double sample_count = static_cast<double>(std::max<std::size_t>(options.mesh_sample_count, 20000));
+  const double spacing = 0.7 * std::sqrt(area / sample_count);
   const PlaceSettling settling(input, measure.input_points, hierarchy, faces, options.tolerance, spacing);
   QuantizedMesh best = mesh;
   int best_round = 0;
@@ -226,15 +232,16 @@ MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionH
       best = mesh;
     }
     if (beyond == 0 || result.rounds - best_round >= options.patience) break;
-    if (beyond > kDiverged * result.final_beyond) break;
+    if (beyond > kDiverged * result.final_beyond + kFewPlaces) break;
     if (static_cast<double>(beyond) > options.largest_share * static_cast<double>(considered)) break;
     const bool is_settled = places.size() <= kManyPlaces;
     const std::vector<Place> left = is_settled ? settling.settle(places, surface, positions, mesh) : places;
     Wishes wishes;
     for (const Place& place : left) {
       const double part = 1 - kWithin * options.tolerance / norm(place.move);
-      if (part > 0)
-        wish_at(faces[place.at.triangle], place.at.barycentric, part * place.move, is_settled ? even_count : ~0u, wishes);
+      if (part <= 0) continue;
+      wish_at(faces[place.at.triangle], place.at.barycentric, part * place.move, is_settled ? even_count : kAllVertices,
+              wishes);
     }
     grant(wishes, hierarchy, positions, mesh);
   }

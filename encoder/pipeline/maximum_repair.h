@@ -2,9 +2,9 @@
 // Brings single places of a quantized mesh within a tolerance.
 //
 // Least squares and rate-distortion decisions care for the mean; what they leave beyond a tolerance is a handful of
-// spikes and tips. Each of them is repaired where it is. Integers of the finest level are changed one by one, each change
-// measured (place_settling.h). What has to do with vertices of coarser levels is told to these: they go as far as they
-// must, and finer ones that would be carried along by half a step or more are held where they are.
+// spikes and tips. Each of them is repaired where it is. Integers of the finest level are changed one by one, each
+// change measured (place_settling.h). What has to do with vertices of coarser levels is told to these: they go as far
+// as they must, and finer ones that would be carried along by half a step or more are held where they are.
 #ifndef NMC_ENCODER_PIPELINE_MAXIMUM_REPAIR_H_
 #define NMC_ENCODER_PIPELINE_MAXIMUM_REPAIR_H_
 
@@ -21,7 +21,7 @@ struct MaximumRepairOptions {
   double margin = 0.98;
   int maximum_rounds = 8;
   /// Rounds without progress after which the rest are left out.
-  int patience = 3;
+  int patience = 5;
   /// More places than this share of the vertices and points are no spikes: nothing is done.
   double largest_share = 0.01;
   /// Area-uniform points of each surface that count beside the vertices: with those of the measurement

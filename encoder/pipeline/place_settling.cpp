@@ -198,7 +198,8 @@ class PlaceSettling::Neighbourhood {
       const Triangle& t = settling_.faces_[f];
       const Vec3 &a = positions_[t[0]], &b = positions_[t[1]], &c = positions_[t[2]];
       const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
-      const int n = static_cast<int>(std::clamp(std::ceil(longest / settling_.spacing_), 1.0, double{kPointsAlongEdge}));
+      const double pieces = std::ceil(longest / settling_.spacing_);
+      const int n = static_cast<int>(std::clamp(pieces, 1.0, double{kPointsAlongEdge}));
       for (int i = 0; i <= n; ++i) {
         for (int j = 0; i + j <= n; ++j) {
           const double u = static_cast<double>(i) / n, v = static_cast<double>(j) / n;

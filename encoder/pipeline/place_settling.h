@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Brings places of a quantized mesh within a tolerance by changing integers of its finest level one at a time.
 //
-// A vertex of the finest level moves nothing but its own faces, so what a change does to the largest distances around it
-// can be measured instead of foreseen: points of the input from the faces around the vertex, and points of these faces
-// from the input. Only changes that lower the excess there are made. No two of them can undo each other.
+// A vertex of the finest level moves nothing but its own faces, so what a change does to the largest distances around
+// it can be measured instead of foreseen: points of the input from the faces around the vertex, and points of these
+// faces from the input. Only changes that lower the excess there are made. No two of them can undo each other.
 #ifndef NMC_ENCODER_PIPELINE_PLACE_SETTLING_H_
 #define NMC_ENCODER_PIPELINE_PLACE_SETTLING_H_
 

@@ -44,7 +44,8 @@ Trial try_step(Candidate& candidate, const Target& target, const StreamDescripti
 /// Bytes go with the error to this power, near enough to compare two trials whose errors differ by a third.
 inline constexpr double kBytesOverError = -1.05;
 
-/// Whether spikes were repaired at a fair price: a smaller maximum, for bytes that the RMS error gives back but for 2 %.
+/// Whether spikes were repaired at a fair price: a smaller maximum, for bytes that the RMS error gives back but for
+/// 2 %.
 bool repair_pays(const Trial& trial, const Trial& repaired);
 
 /// What try_step() does at its end where the target is no maximum error: brings back places many RMS errors away, where
