@@ -15,8 +15,9 @@ namespace nmc {
 
 namespace {
 
-/// Coarser vertices move everything around them, so they go no farther than they must: to this many tolerances.
-constexpr double kWithin = 0.85;
+/// Coarser vertices move everything around them, so they go no farther than they must: to this many tolerances, in later
+/// rounds to more of them, where neighbours push each other to and fro.
+double wished_distance(int round) { return std::min(0.85 + 0.03 * round, 0.97); }
 
 /// More of them are first thinned out without a look at what each move does.
 constexpr std::size_t kManyPlaces = 250;
@@ -238,7 +239,7 @@ MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionH
     const std::vector<Place> left = is_settled ? settling.settle(places, surface, positions, mesh) : places;
     Wishes wishes;
     for (const Place& place : left) {
-      const double part = 1 - kWithin * options.tolerance / norm(place.move);
+      const double part = 1 - wished_distance(result.rounds) * options.tolerance / norm(place.move);
       if (part <= 0) continue;
       wish_at(faces[place.at.triangle], place.at.barycentric, part * place.move, is_settled ? even_count : kAllVertices,
               wishes);
