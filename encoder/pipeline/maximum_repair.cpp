@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "encoder/core/parallel.h"
@@ -15,8 +14,8 @@ namespace nmc {
 
 namespace {
 
-/// Coarser vertices move everything around them, so they go no farther than they must: to this many tolerances, in later
-/// rounds to more of them, where neighbours push each other to and fro.
+/// Coarser vertices move everything around them, so they go no farther than they must: to this many tolerances, in
+/// later rounds to more of them, where neighbours push each other to and fro.
 double wished_distance(int round) { return std::min(0.85 + 0.03 * round, 0.97); }
 
 /// More of them are first thinned out without a look at what each move does.
