@@ -135,6 +135,10 @@ class MeshEncoder {
     Trial trial;
     bool was_tried = false;  // else out of reach, and no trial was made
     bool met = false;
+    bool is_simplified = false;  // on a base that simplification alone has made
+    /// What the target would take at least on this candidate, as its trials foretell: the last of a candidate that cannot
+    /// reach it are spent in vain.
+    double foretold_bytes = 0;
   };
 
   void prepare() {
@@ -271,7 +275,8 @@ class MeshEncoder {
       const bool too_coarse = options_.target.kind == TargetKind::kRmsError &&
                               outcome.candidate->statistics().fit.final_rms > kLargestFloor * options_.target.value;
       const double next_size = base_sizes_[base_index] * std::pow(4.0, candidate.coded_level_count + 1);
-      const bool enough = best_.met && candidate.coded_level_count >= best_.candidate->coded_level_count();
+      const bool enough = best_.met && !best_.is_simplified &&
+                          candidate.coded_level_count >= best_.candidate->coded_level_count();
       // Along a crease that no base edge follows levels help little: there more base vertices do.
       const double fit_rms = outcome.candidate->statistics().fit.final_rms;
       const bool no_help = fit_rms > kHelpfulLevel * coarser_rms;
@@ -344,6 +349,12 @@ class MeshEncoder {
     for (const Trial& t : found.trials) {
       result_.attempts.push_back({outcome.candidate->statistics().base_vertex_count, level_count,
                                   t.normal_step, t.byte_count, t.error});
+    }
+    outcome.foretold_bytes = std::numeric_limits<double>::infinity();
+    for (const Trial& t : found.trials) {
+      const double excess = std::clamp(target_ratio(options_.target, t), 1.0, 4.0);
+      outcome.foretold_bytes =
+          std::min(outcome.foretold_bytes, static_cast<double>(t.byte_count) * std::pow(excess, -kBytesOverError));
     }
     outcome.was_tried = true;
     outcome.met = found.best.has_value();
@@ -421,21 +432,29 @@ class MeshEncoder {
       if (!take_if_better(evaluate(index))) tension_ = 1;
     }
     if (prefers_simplified_bases()) return;
-    // A target out of reach: more base vertices see more features, another level resolves them.
-    for (int missed = 0; !best_.met && !(options_.base_vertex_count && options_.level_count); ++missed) {
+    // A target out of reach: more base vertices see more features, another level resolves them. That a simplified base
+    // has met it says nothing about these.
+    bool met = best_.met && !best_.is_simplified;
+    double ratio = target_ratio(options_.target, best_.trial);
+    for (int missed = 0; !met && !(options_.base_vertex_count && options_.level_count); ++missed) {
       if (index + 1 == base_sizes_.size() && finer_ > 16) break;
       step_guess_ = 0;
-      const bool far = missed >= 2 || target_ratio(options_.target, best_.trial) > 1.5;
+      const bool far = missed >= 2 || ratio > 1.5;
       index = std::min(index + (far ? 3 : 1), base_sizes_.size() - 1);
       finer_ *= missed < 2 ? 2.5 : 1.5;
       if (is_whole_surface(index)) {
         tension_ = 0;  // nothing is left to predict
         finer_ = 32;   // and nothing is left to try
       }
-      take_if_better(evaluate(index));
+      Outcome next = evaluate(index);
+      met = next.met;
+      if (next.was_tried) ratio = target_ratio(options_.target, next.trial);
+      const bool is_beaten = best_.met && next.was_tried && next.trial.byte_count >= best_.trial.byte_count;
+      take_if_better(std::move(next));
+      if (is_beaten) break;
     }
     if (!best_.met) return;
-    if (!prefers_large_bases()) climb(plan_.extra_candidates);
+    if (!prefers_large_bases() && !best_.is_simplified) climb(plan_.extra_candidates);
   }
 
   /// Hill climbing over the base sizes, from the best so far: around it bytes at equal error have one minimum, but for
@@ -489,8 +508,7 @@ class MeshEncoder {
     constexpr double kFine = 30;  // times the vertices: from there half-edge collapses have done no harm
     const bool is_chosen = options_.base_vertex_count || options_.level_count || options_.crease_angle_degrees > 0;
     if (options_.effort < 2 || is_chosen || options_.target.kind == TargetKind::kSize || !best_.was_tried) return false;
-    const double ratio = target_ratio(options_.target, best_.trial);
-    const double general_bytes = static_cast<double>(best_.trial.byte_count) * std::clamp(ratio, 1.0, 4.0);
+    const double general_bytes = best_.foretold_bytes;
     const double most = std::min(0.8 * static_cast<double>(surface_.vertex_count()), 8 * general_bytes / kBitsPerVertex);
     if (most < 4) return false;
     clock_.start("simplify");
@@ -541,6 +559,7 @@ class MeshEncoder {
 
   Outcome evaluate_simplified(const TriangleMesh& base) {
     Outcome outcome;
+    outcome.is_simplified = true;
     outcome.base_index = nearest_base_index(static_cast<double>(base.vertex_count()));
     clock_.start("normal mesh and fit");
     CandidateOptions candidate;
