@@ -21,7 +21,7 @@ constexpr double kInside = 0.98;
 constexpr double kReach = 2;
 constexpr int kLongestChange = 64;  // steps
 constexpr int kSweeps = 3;         // over the vertices around one place
-constexpr int kPointsAlongEdge = 12;
+constexpr int kPointsAlongEdge = 8;
 
 TangentialCoefficient* find_or_insert(std::vector<TangentialCoefficient>& list, std::uint32_t edge) {
   const auto at = std::lower_bound(list.begin(), list.end(), edge,
@@ -58,6 +58,9 @@ class PlaceSettling::Neighbourhood {
     double reach = kReach * settling.tolerance_;
     for (const Place& place : places) reach = std::max(reach, 1.01 * norm(place.move));
     hold_points(faces, surface, reach);
+    for (const Place& place : places) places_.push_back(&place);
+    std::stable_sort(places_.begin(), places_.end(),
+                     [](const Place* a, const Place* b) { return a->at.triangle < b->at.triangle; });
   }
 
   bool is_of_last_level(std::uint32_t vertex) const { return vertex >= topology_.vertex_count; }
@@ -173,6 +176,12 @@ class PlaceSettling::Neighbourhood {
     return beyond > 0 ? beyond * beyond : 0;
   }
 
+  /// Of a point of the mesh.
+  double excess_of(const Vec3& point) const {
+    if (settling_.input_.is_within(point, kInside * settling_.tolerance_)) return 0;
+    return squared_excess(settling_.input_.closest_point(point).t, settling_.tolerance_);
+  }
+
   double squared_distance_to(const Vec3& point, std::uint32_t f) const {
     const Triangle& t = settling_.faces_[f];
     return closest_point_on_triangle(point, positions_[t[0]], positions_[t[1]], positions_[t[2]]).squared_distance;
@@ -203,10 +212,15 @@ class PlaceSettling::Neighbourhood {
       for (int i = 0; i <= n; ++i) {
         for (int j = 0; i + j <= n; ++j) {
           const double u = static_cast<double>(i) / n, v = static_cast<double>(j) / n;
-          const Vec3 point = a + u * (b - a) + v * (c - a);
-          if (settling_.input_.is_within(point, inside)) continue;
-          sum += squared_excess(settling_.input_.closest_point(point).t, tolerance);
+          sum += excess_of(a + u * (b - a) + v * (c - a));
         }
+      }
+      // Between these points a place would be overlooked for which all this is done.
+      for (auto place = std::lower_bound(places_.begin(), places_.end(), f,
+                                         [](const Place* p, std::uint32_t face) { return p->at.triangle < face; });
+           place != places_.end() && (*place)->at.triangle == f; ++place) {
+        const double* weights = (*place)->at.barycentric;
+        sum += excess_of(weights[0] * a + weights[1] * b + weights[2] * c);
       }
       if (sum >= limit) return sum;
     }
@@ -223,6 +237,7 @@ class PlaceSettling::Neighbourhood {
   const LevelTopology& topology_;
   const LevelQuantizer& quantizer_;
   std::vector<Held> held_;  // points of the input by the face nearest to them
+  std::vector<const Place*> places_;  // by face
   std::vector<std::uint32_t> first_ring_, second_ring_;
 };
 

@@ -76,7 +76,7 @@ TEST_CASE("maximum repair: vertices of every coarser level are brought back", "[
         static_cast<std::int32_t>(std::lround(0.0052 / scene.mesh.base_step));
   } else {
     const auto l = static_cast<std::size_t>(level);
-    scene.mesh.normal[l][5] += static_cast<std::int32_t>(std::lround(0.0056 / scene.mesh.quantizers[l].normal_step));
+    scene.mesh.normal[l][5] += static_cast<std::int32_t>(std::lround(0.0053 / scene.mesh.quantizers[l].normal_step));
   }
   INFO("level " << level);
   REQUIRE(scene.largest_error() > kTolerance);
