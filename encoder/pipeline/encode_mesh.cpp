@@ -433,7 +433,8 @@ class MeshEncoder {
     }
     if (prefers_simplified_bases()) return;
     // A target out of reach: more base vertices see more features, another level resolves them. That a simplified base
-    // has met it says nothing about these.
+    // has met it says nothing about these, but there is a file then, and the time is better spent elsewhere.
+    constexpr int kMissesBesideMet = 2;
     bool met = best_.met && !best_.is_simplified;
     double ratio = target_ratio(options_.target, best_.trial);
     for (int missed = 0; !met && !(options_.base_vertex_count && options_.level_count); ++missed) {
@@ -451,7 +452,7 @@ class MeshEncoder {
       if (next.was_tried) ratio = target_ratio(options_.target, next.trial);
       const bool is_beaten = best_.met && next.was_tried && next.trial.byte_count >= best_.trial.byte_count;
       take_if_better(std::move(next));
-      if (is_beaten) break;
+      if (is_beaten || (best_.met && missed + 1 == kMissesBesideMet)) break;
     }
     if (!best_.met) return;
     if (!prefers_large_bases() && !best_.is_simplified) climb(plan_.extra_candidates);
