@@ -136,8 +136,8 @@ class MeshEncoder {
     bool was_tried = false;  // else out of reach, and no trial was made
     bool met = false;
     bool is_simplified = false;  // on a base that simplification alone has made
-    /// What the target would take at least on this candidate, as its trials foretell: the last of a candidate that cannot
-    /// reach it are spent in vain.
+    /// What the target would take at least on this candidate, as its trials foretell: where it is out of reach the last
+    /// of them are spent in vain.
     double foretold_bytes = 0;
   };
 
