@@ -16,6 +16,20 @@ std::size_t QuantizedMesh::nonzero_count() const {
   return count;
 }
 
+void change_tangential(std::uint32_t edge, std::int32_t along, std::int32_t across,
+                       std::vector<TangentialCoefficient>& list) {
+  if (along == 0 && across == 0) return;
+  const auto at = std::lower_bound(list.begin(), list.end(), edge,
+                                   [](const TangentialCoefficient& t, std::uint32_t e) { return t.edge < e; });
+  if (at == list.end() || at->edge != edge) {
+    list.insert(at, {edge, along, across});
+    return;
+  }
+  at->along += along;
+  at->across += across;
+  if (at->along == 0 && at->across == 0) list.erase(at);
+}
+
 std::vector<Vec3> reconstruct(const QuantizedMesh& mesh, const SubdivisionHierarchy& hierarchy, int level) {
   if (level > hierarchy.level_count())
     throw Error(ExitCode::kInternal, "the hierarchy has no level " + std::to_string(level));

@@ -30,6 +30,10 @@ struct QuantizedMesh {
   std::size_t nonzero_count() const;
 };
 
+/// Adds to the tangential part of `edge` in the list of its level, which stays in order. O(length of the list).
+void change_tangential(std::uint32_t edge, std::int32_t along, std::int32_t across,
+                       std::vector<TangentialCoefficient>& list);
+
 /// Positions of the vertices of level `level`, the same bits as the decoder's. `hierarchy` must have that
 /// many levels; levels beyond the coded ones are predicted with tension 1. O(vertices), parallel.
 std::vector<Vec3> reconstruct(const QuantizedMesh& mesh, const SubdivisionHierarchy& hierarchy, int level);

@@ -128,20 +128,6 @@ std::vector<Place> find_places(const Measure& measure, const SurfaceIndex& surfa
 
 std::int32_t rounded(double value) { return static_cast<std::int32_t>(std::lround(value)); }
 
-void add_tangential(std::uint32_t edge, std::int32_t along, std::int32_t across,
-                    std::vector<TangentialCoefficient>& list) {
-  if (along == 0 && across == 0) return;
-  const auto at = std::lower_bound(list.begin(), list.end(), edge,
-                                   [](const TangentialCoefficient& t, std::uint32_t e) { return t.edge < e; });
-  if (at == list.end() || at->edge != edge) {
-    list.insert(at, {edge, along, across});
-    return;
-  }
-  at->along += along;
-  at->across += across;
-  if (at->along == 0 && at->across == 0) list.erase(at);
-}
-
 /// Moves the vertices that have wishes. Finer ones around them would be carried along; integers hold those where they
 /// are that would go more than half a step.
 void grant(const Wishes& wishes, const SubdivisionHierarchy& hierarchy, const std::vector<Vec3>& positions,
@@ -181,7 +167,7 @@ void grant(const Wishes& wishes, const SubdivisionHierarchy& hierarchy, const st
         change[longest] = parts[longest] < 0 ? -1 : 1;
       }
       mesh.normal[l][edge] += change[0];
-      add_tangential(edge, change[1], change[2], mesh.tangential[l]);
+      change_tangential(edge, change[1], change[2], mesh.tangential[l]);
     }
   }
 }

@@ -23,13 +23,6 @@ constexpr int kLongestChange = 64;  // steps
 constexpr int kSweeps = 3;         // over the vertices around one place
 constexpr int kPointsAlongEdge = 8;
 
-TangentialCoefficient* find_or_insert(std::vector<TangentialCoefficient>& list, std::uint32_t edge) {
-  const auto at = std::lower_bound(list.begin(), list.end(), edge,
-                                   [](const TangentialCoefficient& t, std::uint32_t e) { return t.edge < e; });
-  if (at != list.end() && at->edge == edge) return &*at;
-  return &*list.insert(at, {edge, 0, 0});
-}
-
 /// Small changes one by one, large ones in growing strides.
 int next_length(int steps) { return steps + std::max(1, steps / 3); }
 
@@ -106,13 +99,7 @@ class PlaceSettling::Neighbourhood {
                          (best.across * quantizer_.tangential_step) * frame.across;
     if (excess >= before) return false;
     mesh_.normal.back()[edge] += best.normal;
-    if (best.along != 0 || best.across != 0) {
-      auto& list = mesh_.tangential.back();
-      TangentialCoefficient* part = find_or_insert(list, edge);
-      part->along += best.along;
-      part->across += best.across;
-      if (part->along == 0 && part->across == 0) list.erase(list.begin() + (part - list.data()));
-    }
+    change_tangential(edge, best.along, best.across, mesh_.tangential.back());
     return true;
   }
 
