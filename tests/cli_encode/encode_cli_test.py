@@ -58,6 +58,25 @@ def painted(shape):
     return [tuple(v) + c for v, c in zip(vertices, colors)], faces
 
 
+def bumpy_sphere(rings=40, sides=60):
+    """Genus 0, closed, star-shaped, with two poles."""
+    vertices, faces = [(0, 0, 1.1)], []
+    for i in range(1, rings):
+        for j in range(sides):
+            u, v = math.pi * i / rings, 2 * math.pi * j / sides
+            r = 1 + 0.1 * math.cos(3 * u) * math.sin(u) ** 2 * math.sin(4 * v)
+            vertices.append((r * math.sin(u) * math.cos(v), r * math.sin(u) * math.sin(v), r * math.cos(u)))
+    vertices.append((0, 0, -1.1))
+    last = len(vertices) - 1
+    for j in range(sides):
+        k = (j + 1) % sides
+        faces += [(0, 1 + j, 1 + k), (last, last - sides + k, last - sides + j)]
+        for i in range(rings - 2):
+            a, b = 1 + i * sides + j, 1 + i * sides + k
+            faces += [(a, a + sides, b + sides), (a, b + sides, b)]
+    return vertices, faces
+
+
 class Encoding(unittest.TestCase):
     def setUp(self):
         self._folder = tempfile.TemporaryDirectory()
@@ -97,6 +116,25 @@ class Encoding(unittest.TestCase):
                 measured = self.decode_and_compare(mesh, stream)
                 self.assertLessEqual(measured["relativeRms"], 0.0005)
                 self.assertAlmostEqual(measured["rms"], report["rmsError"], delta=0.01 * report["rmsError"])
+
+    def test_the_sphere_as_domain_with_every_kind_of_base(self):
+        mesh = self.obj(bumpy_sphere())
+        for options, base in ((["--base", "6"], 6), (["--base", "12"], 12), (["--base", "40"], 40), ([], None)):
+            with self.subTest(base=base):
+                stream, report = self.encode(mesh, "--domain", "sphere", "--rms-error", "0.1%", "-e", "1", *options)
+                self.assertTrue(report["target"]["met"])
+                self.assertEqual(report["flippedTriangles"], 0)
+                if base:
+                    self.assertEqual(report["base"]["vertices"], base)
+                self.assertLessEqual(self.decode_and_compare(mesh, stream)["relativeRms"], 0.001)
+
+    def test_the_sphere_is_refused_for_a_torus_and_left_out_by_auto(self):
+        mesh = self.obj(bumpy_torus())
+        done = run(ENCODE, mesh, "-o", self.folder / "out.nmc", "--domain", "sphere", "--rms-error", "0.1%", "-e", "1")
+        self.assertEqual(done.returncode, 5, done.stderr.decode())
+        self.assertIn(b"genus", done.stderr)
+        stream, _ = self.encode(mesh, "--domain", "auto", "--rms-error", "0.1%", "-e", "1")
+        self.assertLessEqual(self.decode_and_compare(mesh, stream)["relativeRms"], 0.001)
 
     def test_max_target_holds_on_the_decoded_mesh(self):
         mesh = self.obj(bumpy_torus())
