@@ -41,8 +41,9 @@ Trial repair_spikes(const Candidate& candidate, const Target& target, const Stre
   repair.tolerance = spike;
   repair.margin = 1;
   repair.maximum_rounds = 4;
+  repair.patience = 2;  // these may stay, other than places beyond an asked maximum
   if (options.is_final) {
-    repair.maximum_rounds = 10;
+    repair.maximum_rounds = 8;
     repair.input_sample_count = repair.mesh_sample_count = 40000;  // the sides of spikes, between the vertices
   }
   candidate.repair(repair, description, options, repaired);
