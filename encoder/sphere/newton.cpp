@@ -102,7 +102,9 @@ OptimizationResult minimize_newton(const SphereProblem& problem, std::vector<Vec
   // share follows the outcome of the factorizations and ends at zero.
   double share = 0.016;
   constexpr double kSmallestShare = 1e-6;
-  const auto raised = [&](double s) { return s == 0 ? 4 * kSmallestShare : std::min(1.0, 8 * s); };
+  // A factor of 3: coarser ones alternate between too little, which costs a factorization, and too short steps.
+  constexpr double kFactor = 3;
+  const auto raised = [&](double s) { return s == 0 ? 4 * kSmallestShare : std::min(1.0, kFactor * s); };
   constexpr double kSmallestShift = 1e-9;  // of the mean diagonal: lifts the three rotations off zero
   double shift = kSmallestShift;
   int small_steps = 0;
@@ -125,8 +127,8 @@ OptimizationResult minimize_newton(const SphereProblem& problem, std::vector<Vec
 
     bool has_projected = false;
     bool accepted = false;
-    double decrease = 0, length = 1;
-    constexpr int kAttempts = 12;
+    double decrease = 0, length = 1, agreement = 1;  // of the energy with its quadratic model
+    constexpr int kAttempts = 16;
     for (int attempt = 0; attempt < kAttempts && !accepted; ++attempt) {
       if (share > 0 && !has_projected) {
         problem.hessian(positions, frames, HessianKind::kProjected, unused_gradient, projected);
@@ -165,6 +167,7 @@ OptimizationResult minimize_newton(const SphereProblem& problem, std::vector<Vec
                             : energy <= result.energy + kSufficientDecrease * length * slope;
         if (accepted) {
           decrease = (result.energy - energy) / std::abs(result.energy);
+          agreement = (result.energy - energy) / (-slope * length * (1 - length / 2));
           result.energy = energy;
           positions.swap(step.result());
         }
@@ -177,7 +180,12 @@ OptimizationResult minimize_newton(const SphereProblem& problem, std::vector<Vec
     if (!accepted) break;
     ++result.iterations;
     shift = std::max(shift / 10, kSmallestShift);
-    share = length >= 0.5 ? share / 8 : share;
+    // `length` has been halved once more than the step.
+    if (agreement > 0.6 && length >= 0.5) {
+      share /= kFactor;
+    } else if (agreement < 0.25) {
+      share = raised(share);
+    }
     if (share < kSmallestShare) share = 0;
     small_steps = decrease < options.relative_decrease ? small_steps + 1 : 0;
   }

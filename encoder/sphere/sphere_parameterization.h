@@ -37,7 +37,7 @@ struct SphereOptions {
   SphereSolver solver =
       SphereSolver::kNewton;  // of the finest level; coarser ones always use Newton's method
   double gradient_tolerance = 1e-7;
-  int maximum_iterations = 100;  // on the finest level
+  int maximum_iterations = 200;  // on the finest level
   /// Stop early after two steps of less than this relative decrease; 0: only at the tolerance. 1e-5 is enough
   /// for remeshing and saves about two of five Newton steps.
   double relative_decrease = 0;

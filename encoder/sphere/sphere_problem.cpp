@@ -153,6 +153,9 @@ struct SphereProblem::LocalHessian {
 double SphereProblem::hessian(const std::vector<Vec3>& positions, const std::vector<TangentFrame>& frames,
                               HessianKind kind, std::vector<Tangent2>& gradient, BlockMatrix& hessian) const {
   const bool exact = kind == HessianKind::kExact;
+  // Two ways to a positive semi-definite matrix of a triangle.
+  const bool less_solid_angle = !exact && weights_.is_area_alone();
+  const bool by_parts = !exact && !less_solid_angle;
   std::vector<LocalHessian> locals(triangles_.size());
   const double energy = parallel_sum<double>(triangles_.size(), [&](std::size_t f) {
     const Triangle& t = triangles_[f];
@@ -161,9 +164,19 @@ double SphereProblem::hessian(const std::vector<Vec3>& positions, const std::vec
     const TriangleEnergy e = triangle_energy_hessian(weights_, references_[f], *x[0], *x[1], *x[2]);
 
     Eigen::Matrix3d by_lengths;
+    std::array<double, 3> slopes = e.gradient;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) by_lengths(i, j) = e.hessian[i][j];
-    if (!exact) {
+    if (less_solid_angle) {
+      // Where areas are kept the slope of the energy by the triangle's area is 2: without that multiple of the solid
+      // angle, which adds up to nothing over the sphere, little of the matrix is negative.
+      const TriangleEnergy angle = solid_angle_hessian(*x[0], *x[1], *x[2]);
+      for (int i = 0; i < 3; ++i) {
+        slopes[i] -= 2 * weights_.area * angle.gradient[i];
+        for (int j = 0; j < 3; ++j) by_lengths(i, j) -= 2 * weights_.area * angle.hessian[i][j];
+      }
+    }
+    if (by_parts) {
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
       eigen.computeDirect(by_lengths);
       by_lengths = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
@@ -181,16 +194,25 @@ double SphereProblem::hessian(const std::vector<Vec3>& positions, const std::vec
     }
     Eigen::Matrix<double, 6, 6> h = jacobian.transpose() * by_lengths * jacobian;
     for (int k = 0; k < 3; ++k) {
-      const double slope = e.gradient[k];
-      if (!exact && slope <= 0) continue;
+      const double slope = slopes[k];
+      if (by_parts && slope <= 0) continue;
       const int p = (k + 1) % 3, q = (k + 2) % 3;
       // Replacing the cosine by 1 makes the block of the edge positive semi-definite, since |T_p^T T_q| <= 1.
-      const double on_diagonal = 2 * slope * (exact ? dot(*x[p], *x[q]) : 1);
+      const double on_diagonal = 2 * slope * (by_parts ? 1 : dot(*x[p], *x[q]));
       for (const int r : {2 * p, 2 * p + 1, 2 * q, 2 * q + 1}) h(r, r) += on_diagonal;
       h(2 * p, 2 * q) -= 2 * slope * dot(frame[p]->u, frame[q]->u);
       h(2 * p, 2 * q + 1) -= 2 * slope * dot(frame[p]->u, frame[q]->v);
       h(2 * p + 1, 2 * q) -= 2 * slope * dot(frame[p]->v, frame[q]->u);
       h(2 * p + 1, 2 * q + 1) -= 2 * slope * dot(frame[p]->v, frame[q]->v);
+    }
+    if (less_solid_angle) {
+      // The lower triangle is what Eigen reads, and what the loop above may have left out.
+      for (int k = 0; k < 3; ++k) {
+        const int p = (k + 1) % 3, q = (k + 2) % 3;
+        h.block<2, 2>(2 * q, 2 * p) = h.block<2, 2>(2 * p, 2 * q).transpose().eval();
+      }
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(h);
+      h = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
     }
     LocalHessian& local = locals[f];
     const Eigen::Matrix<double, 6, 1> g =

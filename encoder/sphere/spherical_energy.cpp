@@ -198,4 +198,37 @@ TriangleEnergy triangle_energy_hessian(const SphereEnergyWeights& weights, const
   return energy;
 }
 
+TriangleEnergy solid_angle_hessian(const Vec3& x0, const Vec3& x1, const Vec3& x2) {
+  const SecantTriangle t = secant_triangle(x0, x1, x2);
+  const double a = t.edge[0], b = t.edge[1], c = t.edge[2];
+  // tan(angle / 2) = volume / base: the corners' triple product, whose square is Gram's determinant, and 1 plus their
+  // three scalar products (van Oosterom, Strackee, 1983).
+  const double volume = std::sqrt(std::max(4 * t.area_squared - a * b * c / 4, std::numeric_limits<double>::min()));
+  const double base = 4 - (a + b + c) / 2;
+  constexpr double kBaseBy = -0.5;
+  const double norm_squared = volume * volume + base * base;
+  const std::array<double, 3> product_by{b * c, c * a, a * b};
+  std::array<double, 3> volume_by, numerator_by;
+  for (int k = 0; k < 3; ++k) {
+    volume_by[k] = (4 * t.area_by[k] - product_by[k] / 4) / (2 * volume);
+    numerator_by[k] = base * volume_by[k] - volume * kBaseBy;
+  }
+  TriangleEnergy angle;
+  angle.value = 2 * std::atan2(volume, base);
+  for (int i = 0; i < 3; ++i) {
+    angle.gradient[i] = 2 * numerator_by[i] / norm_squared;
+    for (int j = i; j < 3; ++j) {
+      // The third edge multiplies the two others in a b c.
+      const double squared_ij = i == j ? -0.5 : 0.5 - t.edge[3 - i - j] / 4;
+      const double volume_ij = (squared_ij / 2 - volume_by[i] * volume_by[j]) / volume;
+      const double norm_j = 2 * (volume * volume_by[j] + base * kBaseBy);
+      // The derivative of the numerator by j: kBaseBy volume_i + base volume_ij - volume_j kBaseBy.
+      const double numerator_ij = kBaseBy * (volume_by[i] - volume_by[j]) + base * volume_ij;
+      angle.hessian[i][j] = angle.hessian[j][i] =
+          2 * numerator_ij / norm_squared - 2 * numerator_by[i] * norm_j / (norm_squared * norm_squared);
+    }
+  }
+  return angle;
+}
+
 }  // namespace nmc

@@ -24,6 +24,9 @@ struct SphereEnergyWeights {
   /// The d_min^-2 factor. Without it the energies underestimate and the sphere may collapse (Fig. 4.4): only
   /// for that experiment.
   bool upper_bound = true;
+
+  /// Only areas count: the hardest of all energies (nearly every area-preserving map is nearly optimal).
+  bool is_area_alone() const { return tutte == 0 && dirichlet == 0 && stretch == 0 && barrier == 0; }
 };
 
 /// What the energy needs to know of the triangle of the input surface.
@@ -58,6 +61,10 @@ TriangleEnergy triangle_energy_gradient(const SphereEnergyWeights& weights,
 /// gradient; the Hessian jumps there.
 TriangleEnergy triangle_energy_hessian(const SphereEnergyWeights& weights, const ReferenceTriangle& reference,
                                        const Vec3& x0, const Vec3& x1, const Vec3& x2);
+
+/// The solid angle of the triangle, with derivatives like an energy's: over a closed surface it adds up to a constant,
+/// so any multiple of its Hessian may be taken from every triangle without changing the sum.
+TriangleEnergy solid_angle_hessian(const Vec3& x0, const Vec3& x1, const Vec3& x2);
 
 }  // namespace nmc
 

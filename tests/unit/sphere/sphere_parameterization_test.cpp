@@ -64,6 +64,7 @@ TEST_CASE("difficult shapes map to the sphere bijectively, to a stationary point
                                       {"(1,0)", {0, 1, 0, 0, 0, true}},
                                       {"(1,1)", {0, 1, 1, 0, 0, true}},
                                       {"(0.2,1)", {0, 0.2, 1, 0, 0, true}},
+                                      {"(0,1)", {0, 0, 1, 0, 0, true}},
                                       {"stretch", {0, 0, 0, 1, 0, true}}};
   for (const Shape& shape : shapes) {
     for (const Weights& energy : energies) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "encoder/sphere/exact_orientation.h"
 #include "encoder/sphere/sphere_problem.h"
 #include "tests/unit/sphere/sphere_test_meshes.h"
 
@@ -74,6 +75,29 @@ TEST_CASE("the Riemannian gradient and Hessian agree with differences of the ene
       CHECK(dot(spatial_gradient[v], frames[v].v) == Approx(gradient[v][1]).margin(1e-9));
     }
   }
+}
+
+TEST_CASE("the derivatives of the solid angle agree with differences by the edge lengths' corners") {
+  const Vec3 x0 = normalized(Vec3{1, 0.1, 0.2}), x2 = normalized(Vec3{0.1, 0.3, 1});
+  const auto corner = [](double s) { return normalized(Vec3{0.2, 1 + s, 0.1 - s * s}); };
+  const auto lengths = [&](double s) {
+    const Vec3 x1 = corner(s);
+    return std::array<double, 3>{squared_norm(x2 - x1), squared_norm(x0 - x2), squared_norm(x1 - x0)};
+  };
+  const auto angle = [&](double s) { return solid_angle_hessian(x0, corner(s), x2); };
+  CHECK(angle(0).value == Approx(signed_solid_angle(x0, corner(0), x2)));
+  const double h = 1e-5;
+  const TriangleEnergy before = angle(-h), here = angle(0), after = angle(h);
+  double slope = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double by = (lengths(h)[i] - lengths(-h)[i]) / (2 * h);
+    slope += here.gradient[i] * by;
+    double change = 0;
+    for (std::size_t j = 0; j < 3; ++j)
+      change += here.hessian[i][j] * (lengths(h)[j] - lengths(-h)[j]) / (2 * h);
+    CHECK(change == Approx((after.gradient[i] - before.gradient[i]) / (2 * h)).epsilon(1e-6));
+  }
+  CHECK(slope == Approx((after.value - before.value) / (2 * h)).epsilon(1e-6));
 }
 
 TEST_CASE("the projected Hessian has no negative curvature") {
