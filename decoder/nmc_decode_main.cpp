@@ -2,6 +2,7 @@
 // nmc-decode: a stream, or as much of it as is wanted, to a mesh file.
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -22,6 +23,7 @@ using namespace nmc;
 struct Arguments {
   std::string input, output, format;
   std::optional<std::uint32_t> level;
+  std::vector<std::uint32_t> regions;
   std::string max_error, rms_error, max_triangles, size, adaptive, base_and_displacement;
   bool allow_partial = false, prints_hash = false, no_output = false, quiet = false, force = false;
   int verbosity = 0;
@@ -309,6 +311,13 @@ ToolExit decode(Arguments& arguments) {
   visitor.on_header = [&](const nmc_info& info) {
     choice = choose_row(arguments, reader, info);
     if (!choice.is_met) refuse_unmet(arguments, reader, info, input.name());
+    for (const std::uint32_t region : arguments.regions) {
+      if (region < info.region_count) continue;
+      throw ToolError(ToolExit::kUsage, "--regions " + std::to_string(region) + ": the stream has " +
+                                            (info.region_count == 0 ? std::string("no regions")
+                                                                    : "regions 0 to " +
+                                                                          std::to_string(info.region_count - 1)));
+    }
     return choice.row;
   };
   visitor.on_layer = [&](const nmc_layer& row) {
@@ -318,7 +327,19 @@ ToolExit decode(Arguments& arguments) {
                    static_cast<unsigned long long>(row.face_count), bytes_text(row.end_offset).c_str());
     }
   };
+  bool is_part = false;
+  if (!arguments.regions.empty()) {
+    visitor.skips = [&](const nmc_layer& row) {
+      const auto region = static_cast<std::uint32_t>(row.region);
+      const bool is_wanted = row.region < 0 || std::find(arguments.regions.begin(), arguments.regions.end(), region) !=
+                                                   arguments.regions.end();
+      is_part = is_part || !is_wanted;
+      if (!is_wanted) layer = row;
+      return !is_wanted && row.index <= choice.row;
+    };
+  }
   const StreamOutcome outcome = decode_stream(reader, input, visitor);
+  if (is_part) layer.has_error = 0;  // that of the whole does not hold where it was left coarse
   const bool is_whole = outcome.status == NMC_OK;
   if (!is_whole) {
     const std::string reason = input.name() + ": " + error_text(reader.error());
@@ -389,6 +410,9 @@ int main(int argc, char** argv) {
                        "the finest layer with at most so many triangles");
   how_much->add_option("--bytes", arguments.size, "what the first bytes give: 20kB, 1.5MiB");
   how_much->require_option(0, 1);
+  app.add_option("--regions", arguments.regions,
+                 "read and refine these regions of the surface alone, the rest stays coarse: 0,3,7 (nmc-info lists them)")
+      ->delimiter(',');
   auto* adaptive = app.add_option(
       "--adaptive", arguments.adaptive,
       "large triangles where the mesh is flat: leave out what moves it by no more than this length "

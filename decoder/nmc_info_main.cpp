@@ -206,6 +206,7 @@ void write_json(JsonWriter& json, const FileReport& report, const Arguments& arg
       json.member("level", layer.row.level);
       json.member("endByte", layer.row.end_offset);
       json.member("triangles", layer.row.face_count);
+      if (layer.row.region >= 0) json.member("region", layer.row.region);
       if (layer.row.has_error) {
         json.member("maxError", layer.row.max_error);
         json.member("rmsError", layer.row.rms_error);
@@ -227,11 +228,12 @@ void write_json(JsonWriter& json, const FileReport& report, const Arguments& arg
 }
 
 void print_layers(const FileReport& report, const Arguments& arguments) {
-  std::printf("  %5s %5s %12s %12s %12s %12s %9s%s\n", "layer", "level", "bytes", "triangles", "max error",
+  std::printf("  %5s %5s %4s %12s %12s %12s %12s %9s%s\n", "layer", "level", "", "bytes", "triangles", "max error",
               "rms error", "ms", arguments.hashes ? "  state            positions" : "");
   for (const LayerReport& layer : report.layers) {
     const nmc_layer& row = layer.row;
-    std::printf("  %5u %5u %12llu %12llu ", row.index, row.level,
+    const std::string region = row.region >= 0 ? "r" + std::to_string(row.region) : "";
+    std::printf("  %5u %5u %4s %12llu %12llu ", row.index, row.level, region.c_str(),
                 static_cast<unsigned long long>(row.end_offset),
                 static_cast<unsigned long long>(row.face_count));
     if (row.has_error) {

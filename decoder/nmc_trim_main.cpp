@@ -19,14 +19,21 @@ using namespace nmc;
 struct Arguments {
   std::string input, output, size, max_error, rms_error, max_triangles;
   std::optional<std::uint32_t> level;
+  std::vector<std::uint32_t> regions;
   bool force = false, quiet = false;
 };
 
-/// The stream up to the end of row `last_row`.
-Array<std::uint8_t> cut_to_row(const std::vector<std::uint8_t>& bytes, std::uint32_t last_row) {
+/// The stream up to the end of row `last_row`, of all regions or those listed.
+Array<std::uint8_t> cut_to_row(const std::vector<std::uint8_t>& bytes, const std::vector<std::uint32_t>& regions,
+                               std::uint32_t last_row) {
   Array<std::uint8_t> result;
-  const Status status = cut_behind(bytes, last_row, result);
-  if (status.code == StatusCode::kNoMemory) throw std::bad_alloc();
+  const Status status = cut_to_regions(
+      bytes, last_row,
+      [&](std::uint32_t region) {
+        return regions.empty() || std::find(regions.begin(), regions.end(), region) != regions.end();
+      },
+      result);
+  if (status.code() == StatusCode::kNoMemory) throw std::bad_alloc();
   if (!status.ok()) throw ToolError(ToolExit::kInternal, "the header cannot be read a second time");
   return result;
 }
@@ -58,6 +65,15 @@ ToolExit trim(const Arguments& arguments) {
   check(status);
   check(reader.info(info));
 
+  for (const std::uint32_t region : arguments.regions) {
+    if (region >= info.region_count) {
+      throw ToolError(ToolExit::kUsage, "--regions " + std::to_string(region) + ": the stream has " +
+                                            std::to_string(info.region_count) + " regions, counted from 0");
+    }
+  }
+  const auto cut_to_row = [&](const std::vector<std::uint8_t>& stream, std::uint32_t last_row) {
+    return ::cut_to_row(stream, arguments.regions, last_row);
+  };
   std::uint32_t row = info.layer_count - 1;
   bool is_met = true;
   if (!arguments.max_error.empty()) {
@@ -95,6 +111,19 @@ ToolExit trim(const Arguments& arguments) {
                                         " and is too large") +
                         "; nothing was written");
   }
+  if (!arguments.regions.empty()) {
+    // Fewer bytes may describe fewer vertices (section 8.2 of the format).
+    const std::vector<std::uint8_t> part(result.begin(), result.end());
+    StreamReader again;
+    check(again.feed(std::span<const std::uint8_t>(part)));
+    while ((status = again.next(event)) == NMC_OK) {
+    }
+    if (status == NMC_NEED_MORE_INPUT) status = again.finish();
+    if (status != NMC_OK) {
+      throw ToolError(exit_code_of(status),
+                      arguments.input + ": what would be left is no valid stream: " + error_text(again.error()));
+    }
+  }
   OutputFile output(arguments.output);
   output.write(result.data(), result.size());
   if (!output.commit()) throw ToolError(ToolExit::kInputOutput, output.error());
@@ -104,7 +133,7 @@ ToolExit trim(const Arguments& arguments) {
     std::fprintf(stderr, "%s: %s of %s, %u of %u layers, %llu triangles%s\n", arguments.output.c_str(),
                  bytes_text(result.size()).c_str(), bytes_text(bytes.size()).c_str(), row + 1,
                  info.layer_count, static_cast<unsigned long long>(layer.face_count),
-                 layer.has_error ? (", max error " + length_text(layer.max_error, info.units)).c_str() : "");
+                 layer.has_error && arguments.regions.empty() ? (", max error " + length_text(layer.max_error, info.units)).c_str() : "");
   }
   return ToolExit::kOk;
 }
@@ -125,8 +154,14 @@ int main(int argc, char** argv) {
   how_much->add_option("--max-triangles", arguments.max_triangles,
                        "the longest stream with at most so many triangles");
   how_much->add_option("--level", arguments.level, "the longest stream shown at this level or a coarser one");
-  how_much->require_option(1);
+  app.add_option("--regions", arguments.regions, "keep these regions of the surface alone: 0,3,7; the rest stays coarse")
+      ->delimiter(',');
+  how_much->require_option(0, 1);
   app.add_flag("-f,--force", arguments.force, "overwrite the output");
   app.add_flag("--quiet", arguments.quiet, "errors only");
-  return run_tool(app, argc, argv, [&] { return trim(arguments); });
+  return run_tool(app, argc, argv, [&] {
+    if (how_much->count_all() == 0 && arguments.regions.empty())
+      throw ToolError(ToolExit::kUsage, "one of --size, --max-error, --rms-error, --max-triangles, --level, --regions is needed");
+    return trim(arguments);
+  });
 }

@@ -42,7 +42,7 @@ struct Arguments {
   double rms_error = 1e-4;  // over the diagonal
   int layer_count = 3, point_count = 12, file_count = 5, effort = 1;
   double smallest_share = 0.25;
-  int base_vertex_count = 0, level_count = 0;
+  int base_vertex_count = 0, level_count = 0, region_count = 0;
 };
 
 void run(const Arguments& arguments) {
@@ -54,12 +54,14 @@ void run(const Arguments& arguments) {
   const double diagonal = nmc::measurable_box(input).diagonal();
   options.target = {nmc::TargetKind::kRmsError, arguments.rms_error * diagonal};
   options.quality_layer_count = arguments.layer_count;
+  options.region_count = arguments.region_count;
   const nmc::EncodeResult layered = nmc::encode_mesh(input, options);
   const auto full = static_cast<double>(layered.stream.bytes.size());
   fmt::print("{} layers: {} bytes, RMS {:.3e} of the diagonal\n", arguments.layer_count, full,
              layered.error.rms / diagonal);
 
   options.quality_layer_count = 1;
+  options.region_count = 0;
   std::vector<Point> files;
   for (int i = 0; i < arguments.file_count; ++i) {
     const double share = std::pow(arguments.smallest_share, 1 - i / (arguments.file_count - 1.0));
@@ -111,6 +113,7 @@ int main(int argc, char** argv) {
   app.add_option("--effort", arguments.effort, "of all encodes")->capture_default_str();
   app.add_option("--base", arguments.base_vertex_count, "base vertices of all encodes; 0: chosen");
   app.add_option("--levels", arguments.level_count, "levels of all encodes; 0: chosen");
+  app.add_option("--regions", arguments.region_count, "regions of the layered file");
   CLI11_PARSE(app, argc, argv);
   try {
     run(arguments);

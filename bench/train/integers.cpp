@@ -17,7 +17,7 @@ namespace {
 
 void check(const Status& status, const std::string& name) {
   if (!status.ok())
-    throw Error(ExitCode::kInvalidInput, name + ": " + (status.message ? status.message : "failed"));
+    throw Error(ExitCode::kInvalidInput, name + ": " + (status.message() ? status.message() : "failed"));
 }
 
 std::vector<std::uint8_t> bytes_of(const std::string& path) {

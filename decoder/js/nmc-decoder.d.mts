@@ -75,6 +75,8 @@ export interface NmcHeader {
   readonly up: '' | 'y' | 'z';
   readonly hasCreases: boolean;
   readonly hasColors: boolean;
+  /** Parts of the surface that can be fetched alone; 0: none. */
+  readonly regionCount: number;
 }
 
 export interface NmcLayer {
@@ -83,6 +85,8 @@ export interface NmcLayer {
   /** The first `bytes` bytes of the stream give this layer. */
   readonly bytes: number;
   readonly triangles: number;
+  /** Whose bytes the row holds; undefined: needed by all. */
+  readonly region?: number;
   readonly maxError?: number;
   readonly rmsError?: number;
 }
@@ -115,6 +119,10 @@ export class NmcDecoder {
   readonly peakMemory: number;
   feed(bytes: Uint8Array): void;
   next(): 'header' | 'layer' | 'end' | null;
+  /** Leaves out the next row, one of a region, whose bytes are not fed. */
+  skipLayer(): void;
+  /** The region of each face of the base mesh. */
+  readRegions(): Uint8Array;
   finish(): void;
   reset(): void;
   selectLayer(criterion: keyof NmcStopRules, value: number): { index: number; isMet: boolean };

@@ -9,6 +9,17 @@
 
 const MODULE_TEXT = '@MODULE_TEXT@';
 
+/** What the sections of the format that name errors are about: the module itself has no room for sentences. */
+const RULES = {
+  2.2: 'a number is misspelt', 3.1: 'this is not an nmc stream, or one of another version', 3.2: 'a chunk is damaged, '
+    + 'missing, unknown or behind the end', 3.3: 'the header is damaged', '3.3.1': 'a reserved flag is set',
+  '3.3.2': 'unknown units or up axis', '3.3.3': 'the grid is out of range', '3.3.4': 'a count or step is out of range',
+  '3.3.5': 'a row of the layer table is wrong', 4.3: 'a chunk comes out of order', 4.4: 'the base mesh is no manifold',
+  4.6: 'a base vertex lies outside the grid', 4.7: 'a base correction is too short', 5.1: 'a chunk ends too early',
+  5.3: 'a chunk of coefficients is wrong', '5.3.4': 'a tangential coefficient names no edge', 5.4: 'a region is wrong',
+  8: 'a limit is passed', 8.2: 'so few bytes may not describe so much', 10.1: 'the table of attributes is wrong',
+  10.3: 'a chunk of an attribute is wrong',
+};
 const STATUS = {
   '-10': 'NMC_ERR_NOT_NMC', '-12': 'NMC_ERR_VERSION', '-14': 'NMC_ERR_FEATURE', '-20': 'NMC_ERR_CORRUPT',
   '-22': 'NMC_ERR_CHECKSUM', '-24': 'NMC_ERR_TRUNCATED', '-30': 'NMC_ERR_LIMIT', '-32': 'NMC_ERR_NO_MEMORY',
@@ -102,6 +113,21 @@ export class NmcDecoder {
     } finally {
       wasm.release(address);
     }
+  }
+
+  /**
+   * Leaves out the next row of the table, one of a region: its bytes are not fed, and bytes have been fed up to its
+   * beginning only. No event follows.
+   */
+  skipLayer() {
+    this.#check(this.#live().skipLayer(this.#decoder));
+    ++this.#current;
+  }
+
+  /** Per face of the base mesh its region, as Uint8Array; face f of level l lies in that of f >> (2 l). */
+  readRegions() {
+    const count = this.#header?.base.triangleCount ?? 0;
+    return this.#read(Uint8Array, count, (address) => this.#wasm.readRegions(this.#decoder, address, count));
   }
 
   /** 'header', 'layer', 'end', or null when more input is needed. Throws NmcError. */
@@ -209,7 +235,7 @@ export class NmcDecoder {
     const wasm = this.#wasm;
     wasm.error(this.#decoder, this.#scratch);
     const [byteOffset, chunkType, section, message] = new Float64Array(wasm.memory.buffer, this.#scratch, 4);
-    throw new NmcError(STATUS[status] ?? 'NMC_UNKNOWN', this.#text(message),
+    throw new NmcError(STATUS[status] ?? 'NMC_UNKNOWN', this.#text(message) || RULES[this.#text(section)],
       { byteOffset, chunkType, specSection: this.#text(section) });
   }
   #read(Type, count, fill) {
@@ -232,19 +258,19 @@ export class NmcDecoder {
   #readHeader() {
     const wasm = this.#wasm;
     this.#check(wasm.info(this.#decoder, this.#scratch));
-    const f = Array.from(new Float64Array(wasm.memory.buffer, this.#scratch, 21));
+    const f = Array.from(new Float64Array(wasm.memory.buffer, this.#scratch, 22));
     this.#header = Object.freeze({
       headerBytes: f[0], streamBytes: f[1], layerCount: f[2], levelCount: f[3], qualityLayerCount: f[4],
       base: { vertexCount: f[5], triangleCount: f[6] }, input: { vertexCount: f[7], triangleCount: f[8] },
       box: { min: f.slice(9, 12), max: f.slice(12, 15) }, diagonal: f[15], gridStep: f[16],
-      units: UNITS[f[17]] ?? '', up: UP[f[18]] ?? '', hasCreases: f[19] !== 0, hasColors: f[20] !== 0,
+      units: UNITS[f[17]] ?? '', up: UP[f[18]] ?? '', hasCreases: f[19] !== 0, hasColors: f[20] !== 0, regionCount: f[21],
     });
     this.#layers = [];
     for (let index = 0; index < f[2]; ++index) {
       this.#check(wasm.layer(this.#decoder, index, this.#scratch));
-      const r = new Float64Array(wasm.memory.buffer, this.#scratch, 6);
+      const r = new Float64Array(wasm.memory.buffer, this.#scratch, 7);
       this.#layers.push(Object.freeze({
-        index, level: r[0], bytes: r[1], triangles: r[2],
+        index, level: r[0], bytes: r[1], triangles: r[2], region: r[6] < 0 ? undefined : r[6],
         maxError: r[5] ? r[3] : undefined, rmsError: r[5] ? r[4] : undefined,
       }));
     }

@@ -85,7 +85,7 @@ struct Reader {
 
 struct LayerTableRow {
   u64 size;
-  u32 level;
+  u32 level, region;
 };
 /// Section 10.1.
 struct AttributeTable {
@@ -110,6 +110,8 @@ struct Header {
   u32 vertex_count = 0, face_count = 0;
   int level_count = 0, layer_count = 1;
   i64 layer_ratio[16] = {};
+  u32 region_count = 0;
+  int region_level = 0, region_level_count = 0;
   int tangential_code = 0, step_code[14] = {}, tension_code[14] = {};
   std::vector<LayerTableRow> rows;
 
@@ -159,7 +161,7 @@ Header read_header(const u8* fields, std::size_t size) {
   Reader reader{fields, size};
   Header h;
   const u64 flags = reader.fixed(1);  // 3.3.1
-  check(flags < 16, "3.3.1");
+  check(flags < 32, "3.3.1");
   h.has_creases = flags & 1;
   const u64 frame = reader.fixed(1);  // 3.3.2
   check((frame & 15) <= 6 && (frame >> 4) <= 2, "3.3.2");
@@ -190,6 +192,15 @@ Header read_header(const u8* fields, std::size_t size) {
       check(product <= (1 << 20), "3.3.4");
     }
   }
+  if (flags & 16) {
+    h.region_count = static_cast<u32>(reader.fixed(1));
+    check(h.region_count >= 1 && h.region_count <= f, "3.3.4");
+    h.region_level = static_cast<int>(reader.fixed(1));
+    h.region_level_count = static_cast<int>(reader.fixed(1));
+    check(h.region_level >= 1 && h.region_level_count >= 1 &&
+              h.region_level + h.region_level_count <= h.level_count,
+          "3.3.4");
+  }
   if (h.level_count > 0) h.tangential_code = static_cast<int>(reader.fixed(1));
   for (int l = 0; l < h.level_count; ++l) h.step_code[l] = static_cast<int>(reader.fixed(1));
   for (int l = 0; l < h.level_count; ++l) {
@@ -209,7 +220,10 @@ Header read_header(const u8* fields, std::size_t size) {
     row.size = reader.varint();
     row.level = static_cast<u32>(reader.fixed(1));
     reader.fixed(4);  // rms, max
-    check(row.size > 0 && row.size < (u64{1} << 40) && row.level <= static_cast<u32>(h.level_count), "3.3.5");
+    row.region = flags & 16 ? static_cast<u32>(reader.fixed(1)) : 0;
+    check(row.size > 0 && row.size < (u64{1} << 40) && row.level <= static_cast<u32>(h.level_count) &&
+              row.region <= h.region_count,
+          "3.3.5");
     h.rows.push_back(row);
   }
   check(!reader.is_past_end, "3.3");
@@ -882,6 +896,8 @@ struct GeometryDecoder {
   bool has_before = false;
   std::vector<i64> before;  // per edge
   std::vector<i64> value;
+  std::vector<bool> is_foreign;  // per edge of the coarser level, in a region (5.4); else empty
+  bool is_half_foreign(u32 edge) const { return edge / 2 < is_foreign.size() && is_foreign[edge / 2]; }
 
   bool is_known(u32 edge, u32 at) const { return edge < at || has_before; }
   i64 known(u32 edge, u32 at) const { return edge < at ? value[edge] : before[edge]; }
@@ -1048,7 +1064,7 @@ struct GeometryDecoder {
     const u32 edge_count = static_cast<u32>(mesh->edges.size());
     int context = 0;
     for (u32 e = 0; e < edge_count; ++e) {
-      if (!mesh->is_curve[e]) continue;
+      if (!mesh->is_curve[e] || is_half_foreign(e)) continue;
       const i64 c = curve_across[context].decode(code);
       context = c == 0 ? 0 : std::abs(c) < 3 ? 1 : 2;
       if (c != 0) corrections[e].across = c;
@@ -1061,6 +1077,7 @@ struct GeometryDecoder {
       const u32 skipped = gap.decode(code);
       check(skipped < edge_count - lowest, "5.3.4");
       const u32 e = lowest + skipped;
+      check(!is_half_foreign(e), "5.4");
       corrections[e].along = along.decode(code);
       if (!mesh->is_curve[e]) corrections[e].across = across.decode(code);
       lowest = e + 1;
@@ -1089,7 +1106,8 @@ struct GeometryDecoder {
     if (!coarse) {
       for (u32 e = 0; e < topology.edges.size(); ++e) value[e] = decode_value(code, e, 0, false);
     } else {
-      for (u32 e = 0; e < coarse->edges.size(); ++e) decode_pair(code, *coarse, e);
+      for (u32 e = 0; e < coarse->edges.size(); ++e)
+        if (!is_half_foreign(2 * e)) decode_pair(code, *coarse, e);
       for (u32 f = 0; f < coarse->faces.size(); ++f) decode_triple(code, *coarse, f);
     }
     decode_tangential(code, ratio, result.tangential);
@@ -1312,6 +1330,94 @@ struct AttributeDecoder {
   u32 history_ = 0;
 };
 
+/// Which base face lies in which region (5.4).
+std::vector<u32> regions_of_faces(const Mesh& base, u32 region_count) {
+  std::vector<u32> nearest(base.faces.size(), 0), distance(base.faces.size(), kNone);
+  for (u32 region = 0; region < region_count; ++region) {
+    const auto farthest = std::max_element(distance.begin(), distance.end());
+    const u32 seed = static_cast<u32>(farthest - distance.begin());
+    std::vector<u32> steps(base.faces.size(), kNone), reached = {seed};
+    steps[seed] = 0;
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      for (const u32 edge : base.face_edges[reached[i]]) {
+        const u32 beyond = base.face_beyond(edge, reached[i]);
+        if (beyond == kNone || steps[beyond] != kNone) continue;
+        steps[beyond] = steps[reached[i]] + 1;
+        reached.push_back(beyond);
+      }
+    }
+    for (const u32 face : reached) {
+      if (steps[face] >= distance[face]) continue;
+      distance[face] = steps[face];
+      nearest[face] = region;
+    }
+  }
+  return nearest;
+}
+
+/// One level of a region as a mesh of its own, with its numbers in the whole (5.4).
+struct RegionMesh {
+  Mesh mesh;
+  std::vector<u32> edge_in_whole, face_in_whole;
+  std::vector<bool> is_foreign;  // per edge
+  std::vector<i64> inserted;     // per vertex
+
+  /// Level 0.
+  RegionMesh(const Mesh& base, const std::vector<u32>& region_of_face, u32 region) {
+    std::map<u32, u32> edge_here, vertex_here, face_here;  // by their numbers in the whole
+    for (u32 f = 0; f < base.faces.size(); ++f) {
+      if (region_of_face[f] != region) continue;
+      face_here[f] = static_cast<u32>(face_in_whole.size());
+      face_in_whole.push_back(f);
+      for (const u32 e : base.face_edges[f]) edge_here[e] = 0;
+      for (const u32 v : base.faces[f]) vertex_here[v] = 0;
+    }
+    for (auto& [v, here] : vertex_here) here = mesh.vertex_count++;
+    inserted.assign(mesh.vertex_count, 0);
+    for (auto& [e, here] : edge_here) {
+      here = static_cast<u32>(edge_in_whole.size());
+      edge_in_whole.push_back(e);
+      mesh.edges.push_back({vertex_here[base.edges[e][0]], vertex_here[base.edges[e][1]]});
+      const auto face = [&](u32 f) { return face_here.contains(f) ? face_here[f] : kNone; };
+      mesh.edge_faces.push_back({face(base.edge_faces[e][0]), face(base.edge_faces[e][1])});
+      mesh.is_curve.push_back(base.is_curve[e]);
+      is_foreign.push_back(mesh.edge_faces.back()[0] == kNone);
+    }
+    for (const u32 f : face_in_whole) {
+      mesh.faces.push_back({});
+      mesh.face_edges.push_back({});
+      for (u32 k = 0; k < 3; ++k) {
+        mesh.faces.back()[k] = vertex_here[base.faces[f][k]];
+        mesh.face_edges.back()[k] = edge_here[base.face_edges[f][k]];
+      }
+    }
+    mesh.find_curves();
+  }
+
+  /// The next finer level; `whole_edge_count` is that of this level.
+  void refine(u32 whole_edge_count) {
+    std::vector<u32> edges, faces;
+    std::vector<bool> foreign;
+    for (u32 e = 0; e < edge_in_whole.size(); ++e) {
+      for (u32 half = 0; half < 2; ++half) {
+        edges.push_back(2 * edge_in_whole[e] + half);
+        foreign.push_back(is_foreign[e]);
+      }
+    }
+    for (const u32 f : face_in_whole) {
+      for (u32 k = 0; k < 3; ++k) {
+        edges.push_back(2 * whole_edge_count + 3 * f + k);
+        foreign.push_back(false);
+      }
+      for (u32 child = 0; child < 4; ++child) faces.push_back(4 * f + child);
+    }
+    mesh = split(mesh);
+    edge_in_whole = edges;
+    face_in_whole = faces;
+    is_foreign = foreign;
+  }
+};
+
 struct Stream {
   Header header;
   AttributeDecoder attributes[4];
@@ -1325,6 +1431,8 @@ struct Stream {
   std::vector<Level> levels;
   std::vector<i64> inserted;  // per vertex of all levels decoded so far
   u64 value_count = 0;        // coefficients and attribute values of all layers
+  std::vector<u32> region_of_face;
+  std::vector<int> layer_of_region;
 
   const Mesh& mesh(int level) {
     while (static_cast<int>(meshes.size()) <= level) meshes.push_back(split(meshes.back()));
@@ -1362,6 +1470,8 @@ struct Stream {
       decode_geometry(payload, size, end_offset, limits);
     } else if (type == 4) {
       decode_attribute(payload, size, end_offset, limits);
+    } else if (type == 5) {
+      decode_region(payload, size, end_offset, limits);
     } else if (type < 0x80) {
       fail(Code::kFeature, "3.2");
     }
@@ -1383,6 +1493,8 @@ struct Stream {
       for (const u32 v : face) ++valence[v];
     levels.resize(static_cast<std::size_t>(header.level_count));
     inserted.assign(header.vertex_count, 0);
+    if (header.region_count > 0) region_of_face = regions_of_faces(meshes[0], header.region_count);
+    layer_of_region.assign(header.region_count, -1);
     base_layer = 0;
   }
 
@@ -1407,7 +1519,8 @@ struct Stream {
       decode_part(code, [&] {
         Level& level = levels[static_cast<std::size_t>(l)];
         check(layer < header.layer_count, "5.3");
-        check(layer == level.layer + 1 && (l == 0 || levels[static_cast<std::size_t>(l) - 1].layer >= 0),
+        check(layer == level.layer + 1 && (l == 0 || levels[static_cast<std::size_t>(l) - 1].layer >= 0) &&
+                  (header.region_count == 0 || l < header.region_level),
               "4.3");
         const Mesh& topology = mesh(l);
         const i64 ratio = layer > 0 ? header.layer_ratio[layer] : 1;
@@ -1418,6 +1531,69 @@ struct Stream {
         std::copy(level.value.begin(), level.value.end(), inserted.begin() + topology.vertex_count);
       });
     }
+  }
+
+  void decode_region(const u8* payload, std::size_t size, u64 end_offset, const Limits& limits) {  // 5.4
+    Reader reader{payload, size};
+    const u64 place = reader.varint(), layer_count = static_cast<u64>(header.layer_count);
+    check(!reader.is_past_end && !reader.is_misspelt && place / layer_count < header.region_count, "5.4");
+    const int layer = static_cast<int>(place % layer_count);
+    const u32 region = static_cast<u32>(place / layer_count);
+    check(base_layer >= 0, "4.3");
+    const int first = header.region_level, reached = levels[static_cast<std::size_t>(first)].layer;
+    check(levels[static_cast<std::size_t>(first) - 1].layer >= 0 && layer == layer_of_region[region] + 1 &&
+              (layer == reached || layer == reached + 1),
+          "4.3");
+    const auto decoder = std::make_unique<GeometryDecoder>(geometry_decoder);
+    ArithmeticDecoder code(payload + reader.position, size - reader.position);
+    RegionMesh part(meshes[0], region_of_face, region);
+    for (int l = 0; l < first; ++l) {
+      for (u32 e = 0; e < part.edge_in_whole.size(); ++e) {
+        const i64 value = levels[static_cast<std::size_t>(l)].value[part.edge_in_whole[e]];
+        part.inserted.push_back(part.is_foreign[e] ? 0 : value);
+      }
+      if (l + 1 < first) part.refine(static_cast<u32>(mesh(l).edges.size()));
+    }
+    for (int l = first; l < first + header.region_level_count; ++l) {
+      if (const char* section = forbids(l + 1, end_offset, limits)) fail(Code::kLimit, section);
+      const u32 whole_edge_count = static_cast<u32>(mesh(l - 1).edges.size());
+      const Mesh coarse = part.mesh;
+      decoder->is_foreign = part.is_foreign;
+      part.refine(whole_edge_count);
+      Level& whole = levels[static_cast<std::size_t>(l)];
+      count_values(part.mesh.edges.size() + whole.tangential.size(), end_offset);
+      decode_part(code, [&] {
+        whole.value.resize(mesh(l).edges.size());
+        if (whole.layer >= 0 && whole.layer < layer) bring_to_layer(whole, layer);
+        whole.layer = layer;
+        Level own;
+        own.layer = layer - 1;
+        own.value.resize(part.mesh.edges.size());
+        for (u32 e = 0; e < part.mesh.edges.size(); ++e) {
+          if (part.is_foreign[e]) continue;
+          own.value[e] = whole.value[part.edge_in_whole[e]];
+          const auto listed = whole.tangential.find(part.edge_in_whole[e]);
+          if (listed != whole.tangential.end()) own.tangential[e] = listed->second;
+        }
+        decoder->decode_level(code, l, &coarse, part.mesh, part.inserted, 1, own);
+        for (u32 e = 0; e < part.mesh.edges.size(); ++e) {
+          if (part.is_foreign[e]) continue;
+          whole.value[part.edge_in_whole[e]] = own.value[e];
+          whole.tangential.erase(part.edge_in_whole[e]);
+          if (own.tangential.contains(e)) whole.tangential[part.edge_in_whole[e]] = own.tangential[e];
+        }
+        part.inserted.insert(part.inserted.end(), own.value.begin(), own.value.end());
+      });
+    }
+    layer_of_region[region] = layer;
+  }
+
+  void bring_to_layer(Level& level, int layer) const {
+    const auto held = [&](i64 x) {
+      return clamp(header.layer_ratio[layer] * x, -kLargestCoefficient, kLargestCoefficient);
+    };
+    for (i64& x : level.value) x = held(x);
+    for (auto& [edge, t] : level.tangential) t = {held(t.along), held(t.across)};
   }
 
   void decode_attribute(const u8* payload, std::size_t size, u64 end_offset, const Limits& limits) {  // 10.3
@@ -1696,6 +1872,11 @@ Decoding decode(const std::vector<std::uint8_t>& bytes, const Limits& limits) {
       }
       at = row_begin;
       for (const Chunk& chunk : chunks) {
+        const u8* payload = bytes.data() + chunk.payload;
+        Reader reader{payload, chunk.payload_size};
+        const bool is_of_region =
+            chunk.type == 5 && reader.varint() / static_cast<u64>(header.layer_count) + 1 == row.region;
+        check(row.region == 0 || chunk.type >= 0x80 || is_of_region, "3.3.5");
         stream->decode_chunk(chunk.type, bytes.data() + chunk.payload, chunk.payload_size, chunk.end, limits);
         at = chunk.end;
       }

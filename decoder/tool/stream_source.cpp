@@ -46,11 +46,35 @@ StreamOutcome decode_stream(StreamReader& reader, InputFile& input, const Stream
   StreamOutcome outcome;
   std::uint8_t bytes[1 << 15];
   std::uint32_t last_row = ~std::uint32_t{0};
+  // With `skips` no byte is read beyond the row at hand.
+  const auto leave_out = [&](std::uint64_t size) {
+    while (size > 0) {
+      const std::size_t count = input.read(bytes, static_cast<std::size_t>(std::min<std::uint64_t>(size, sizeof bytes)));
+      if (count == 0) return;
+      size -= count;
+      outcome.bytes_read += count;
+    }
+  };
+  std::uint64_t row_end = visitor.skips ? 0 : ~std::uint64_t{0};
+  const auto begin_row = [&]() -> nmc_status {
+    nmc_layer row{};
+    while (visitor.skips && reader.layer(outcome.layers_complete, row) == NMC_OK) {
+      row_end = row.end_offset;
+      if (!visitor.skips(row)) return NMC_OK;
+      const nmc_status skipped = reader.skip_layer();
+      if (skipped != NMC_OK) return skipped;
+      leave_out(row_end - outcome.bytes_read);
+      ++outcome.layers_complete;
+    }
+    return NMC_OK;
+  };
   while (true) {
     nmc_event event{};
     outcome.status = reader.next(event);
     if (outcome.status == NMC_NEED_MORE_INPUT) {
-      const std::uint64_t left = visitor.largest_size - outcome.bytes_read;
+      // The header's size is in its first bytes; it is read byte by byte.
+      const std::uint64_t end = !visitor.skips || outcome.has_info ? row_end : outcome.bytes_read + 1;
+      const std::uint64_t left = std::min(visitor.largest_size, end) - outcome.bytes_read;
       const std::size_t size =
           input.read(bytes, static_cast<std::size_t>(std::min<std::uint64_t>(left, sizeof bytes)));
       outcome.bytes_read += size;
@@ -61,11 +85,15 @@ StreamOutcome decode_stream(StreamReader& reader, InputFile& input, const Stream
     } else if (event == NMC_EVENT_HEADER) {
       outcome.has_info = reader.info(outcome.info) == NMC_OK;
       if (visitor.on_header) last_row = visitor.on_header(outcome.info);
+      outcome.status = begin_row();
+      if (outcome.status != NMC_OK) return outcome;
     } else if (event == NMC_EVENT_LAYER) {
       ++outcome.layers_complete;
       nmc_layer layer{};
       if (visitor.on_layer && reader.current_layer(layer) == NMC_OK) visitor.on_layer(layer);
       if (outcome.layers_complete > last_row) return outcome;
+      outcome.status = begin_row();
+      if (outcome.status != NMC_OK) return outcome;
     }
   }
 }

@@ -49,6 +49,7 @@ struct StreamVisitor {
   std::function<std::uint32_t(const nmc_info&)> on_header;
   std::function<void(const nmc_layer&)> on_layer;
   std::uint64_t largest_size = ~std::uint64_t{0};  // bytes beyond are not read
+  std::function<bool(const nmc_layer&)> skips;     // true: the bytes of this row, one of a region, are left out
 };
 
 /// Feeds `reader` from `input` until the last row wanted is complete, the input ends, or an error stands in

@@ -81,7 +81,8 @@ NMC_EXPORT(info) int nmc_wasm_info(const nmc_decoder* decoder, double* out) {
                            static_cast<double>(info.units),
                            static_cast<double>(info.up_axis),
                            static_cast<double>(info.has_creases),
-                           static_cast<double>(info.has_colors)};
+                           static_cast<double>(info.has_colors),
+                           static_cast<double>(info.region_count)};
   for (const double field : fields) *out++ = field;
   return NMC_OK;
 }
@@ -95,7 +96,12 @@ NMC_EXPORT(layer) int nmc_wasm_layer(const nmc_decoder* decoder, std::uint32_t i
   out[3] = layer.max_error;
   out[4] = layer.rms_error;
   out[5] = layer.has_error;
+  out[6] = layer.region;
   return NMC_OK;
+}
+NMC_EXPORT(skipLayer) int nmc_wasm_skip_layer(nmc_decoder* decoder) { return nmc_decoder_skip_layer(decoder); }
+NMC_EXPORT(readRegions) int nmc_wasm_read_regions(nmc_decoder* decoder, std::uint8_t* regions, std::uint32_t count) {
+  return nmc_decoder_read_regions(decoder, regions, count);
 }
 NMC_EXPORT(selectLayer) int nmc_wasm_select_layer(const nmc_decoder* decoder, int criterion, double value,
                                                   std::uint32_t* index_and_met) {

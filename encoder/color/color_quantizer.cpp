@@ -140,7 +140,7 @@ class Chooser {
 };
 
 void check(const Status& status) {
-  if (!status.ok()) throw Error(ExitCode::kLimit, status.message ? status.message : "out of memory");
+  if (!status.ok()) throw Error(ExitCode::kLimit, status.message() ? status.message() : "out of memory");
 }
 
 }  // namespace

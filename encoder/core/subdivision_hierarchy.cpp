@@ -11,7 +11,7 @@ namespace nmc {
 namespace {
 void check(const Status& status, const char* what) {
   if (!status.ok()) {
-    throw Error(ExitCode::kInternal, std::string(what) + ": " + (status.message ? status.message : "out of memory"));
+    throw Error(ExitCode::kInternal, std::string(what) + ": " + (status.message() ? status.message() : "out of memory"));
   }
 }
 }  // namespace

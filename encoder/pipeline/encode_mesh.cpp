@@ -168,6 +168,7 @@ class MeshEncoder {
     description_.input_triangle_count = input_.triangle_count();
     description_.units = options_.units;
     description_.up_axis = options_.up_axis;
+    description_.region_count = options_.region_count;
 
     clock_.start("collapse");
     report(options_.progress, "base mesh", 0);

@@ -38,6 +38,7 @@ struct EncodeOptions {
   std::optional<int> level_count;       // default: chosen by cost
   DomainChoice domain = DomainChoice::kGeneral;
   int quality_layer_count = 1;          // 1: smallest file; more: better prefixes
+  int region_count = 0;                 // parts that can be fetched and refined alone; 0: none
   double crease_angle_degrees = 0;      // 0: no creases
   /// Wanted peak signal-to-noise ratio of the colours in dB, where the input has any; nothing: no colours.
   std::optional<double> color_psnr_db = 38;

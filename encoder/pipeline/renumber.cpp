@@ -83,7 +83,7 @@ StreamOrder stream_order(const SubdivisionHierarchy& hierarchy) {
   const Status status = order_base_mesh(base.face_vertices.data(), base.face_count, base.vertex_count, nullptr,
                                         old_index, new_faces);
   if (!status.ok()) {
-    throw Error(ExitCode::kInternal, std::string("base mesh: ") + (status.message ? status.message : "no order"));
+    throw Error(ExitCode::kInternal, std::string("base mesh: ") + (status.message() ? status.message() : "no order"));
   }
   StreamOrder order;
   order.old_vertex.assign(old_index.begin(), old_index.end());

@@ -14,7 +14,7 @@ namespace {
 void check(const Status& status) {
   if (!status.ok()) {
     throw Error(ExitCode::kInternal,
-                std::string("stream: ") + (status.message ? status.message : "out of memory"));
+                std::string("stream: ") + (status.message() ? status.message() : "out of memory"));
   }
 }
 
@@ -125,6 +125,18 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     header.tension_code[l] = static_cast<std::uint8_t>(std::lround(4 * tension));
   }
 
+  // The two finest levels are most of the bytes; what comes before them every region needs.
+  const bool has_regions = description.region_count > 0 && coded_level_count > 1;
+  const int region_level = has_regions ? std::max(1, coded_level_count - 2) : coded_level_count;
+  if (has_regions) {
+    // All layers' rows have to fit the table, with those of the levels before.
+    const std::uint32_t most = (kMaximumTableSize - 64) / static_cast<std::uint32_t>(layers.size());
+    header.region_count = std::min({static_cast<std::uint32_t>(description.region_count), base.face_count,
+                                    kMaximumRegionCount, most});
+    header.region_level = region_level;
+    header.region_level_count = coded_level_count - region_level;
+  }
+
   // On the levels that only colours have, vertices stay where the midpoints are.
   for (int l = level_count; l < stored_level_count; ++l) {
     header.step_code[l] = 64;
@@ -139,7 +151,7 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
   StreamBytes result;
   const double diagonal = description.box.diagonal();
   // A row closes when enough bytes have gathered to be worth its entry, and at the end.
-  const auto end_row = [&](int level) {
+  const auto end_row = [&](int level, int region = -1) {
     StreamRow row;
     row.level = level;
     if (measure) {
@@ -151,7 +163,7 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     row.triangle_count = hierarchy.level(level).face_count;
     row.end_offset = writer.chunks().size();
     check(writer.end_layer(level, error_to_code(row.error.rms, diagonal),
-                           error_to_code(row.error.maximum, diagonal)));
+                           error_to_code(row.error.maximum, diagonal), region));
     result.rows.push_back(row);
   };
 
@@ -241,21 +253,49 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     end_row(coded_level_count == 0 ? level_count : shown_level(0));
     row_start = writer.chunks().size();
   }
-  for (int l = 0; l < coded_level_count; ++l) {
+  // A chunk and a row of the levels from region_level on for each region.
+  const auto add_regions = [&](int number, const QuantizedMesh& layer, const QuantizedMesh* before) {
+    if (!has_regions) return;
+    std::vector<LevelCoefficients> levels;
+    std::vector<const LevelCoefficients*> pointers;
+    for (int l = region_level; l < coded_level_count; ++l) levels.push_back(coefficients_of(layer, l));
+    for (const LevelCoefficients& level : levels) pointers.push_back(&level);
+    check(writer.mesh().ensure_partition());
+    const RegionPartition& partition = writer.mesh().partition();
+    const auto region_of = [&](std::uint32_t face) { return face == kNone ? -1 : static_cast<int>(partition.region_of_face[face]); };
+    for (int region = 0; region < static_cast<int>(header.region_count); ++region) {
+      fill_up_for(level_count);
+      std::uint64_t border_count = 0;
+      for (std::uint32_t e = 0; e < base.edge_count; ++e) {
+        border_count += (region_of(base.edge_faces[2 * e]) == region) != (region_of(base.edge_faces[2 * e + 1]) == region);
+      }
+      for (int l = region_level; l < coded_level_count; ++l) {
+        // Edges of the region's level, and entries of the whole's list, which may join those of both layers.
+        const std::uint64_t face_count = partition.first_face[region + 1] - partition.first_face[region];
+        const auto level = static_cast<std::size_t>(l);
+        count_values((6 * face_count << (2 * (l - 1))) + (border_count << (l - 1)) + layer.tangential[level].size() +
+                     (before ? before->tangential[level].size() : 0));
+      }
+      check(writer.add_region(number, region, pointers.data()));
+      end_row(level_count, region);
+    }
+  };
+  for (int l = 0; l < region_level; ++l) {
     const std::size_t before = writer.chunks().size();
     pending.push_back(coefficients_of(mesh, l));
-    const bool last = l + 1 == coded_level_count;
+    const bool last = l + 1 == region_level;
     // Levels grow: a level of few coefficients shares its chunk and row with the next one, and so do the last
     // levels when what follows would not fill a row of its own.
     std::size_t rest = 0;
-    for (int m = l + 1; m < coded_level_count; ++m) rest += nonzero_count(m);
+    for (int m = l + 1; m < region_level; ++m) rest += nonzero_count(m);
     const bool is_small = nonzero_count(l) + (before - row_start) < kSmallestRow;
     if (!last && (is_small || rest < kSmallestRow / 2)) continue;
     flush(l + 1);
     result.level_sizes.push_back(writer.chunks().size() - before);
-    end_row(last ? level_count : shown_level(l + 1));
+    end_row(last && !has_regions ? level_count : shown_level(l + 1));
     row_start = writer.chunks().size();
   }
+  add_regions(0, mesh, nullptr);
 
   // Later quality layers refine all levels; their rows show the finest level, half of each layer's levels at
   // a time.
@@ -263,8 +303,8 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     const QuantizedMesh& layer = *layers[k];
     const int number = static_cast<int>(k);
     check(writer.add_base_correction(number, layer.base_coordinates.front().data()));
-    for (int first = 0; first < coded_level_count;) {
-      const int last = first == 0 && coded_level_count > 1 ? coded_level_count - 1 : coded_level_count;
+    for (int first = 0; first < region_level;) {
+      const int last = first == 0 && !has_regions && coded_level_count > 1 ? coded_level_count - 1 : region_level;
       std::vector<LevelCoefficients> levels;
       for (int l = first; l < last; ++l) levels.push_back(coefficients_of(layer, l));
       std::vector<const LevelCoefficients*> pointers;
@@ -274,6 +314,7 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
       first = last;
       end_row(level_count);
     }
+    add_regions(number, layer, layers[k - 1]);
   }
 
   for (int l = level_count + 1; l <= stored_level_count; ++l) {

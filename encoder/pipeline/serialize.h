@@ -44,6 +44,7 @@ struct StreamDescription {
   std::uint64_t input_vertex_count = 0, input_triangle_count = 0;
   Units units = Units::kUnknown;
   UpAxis up_axis = UpAxis::kUnknown;
+  int region_count = 0;  // parts that can be fetched alone (spec 5.4); 0: the surface is not divided
 };
 
 struct MeasuredError {
@@ -70,7 +71,8 @@ struct StreamBytes {
 
 /// Codes the quality layers of a mesh whose hierarchy is in stream order: `layers` are complete meshes, coarse to fine,
 /// each with steps `layer_ratio` times finer than the one before; `steps` are those of the last. Without `measure` the
-/// errors of the table are zero and the size is that of the final file. Colours follow the geometry of their level;
+/// errors of the table are zero and the size is that of the final file. Regions share the levels before the last two
+/// that are coded, and have a row each in every layer. Colours follow the geometry of their level;
 /// levels that only colours have follow all geometry, and their rows have the error of the last level before them,
 /// whose surface they share.
 StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer_ratio,

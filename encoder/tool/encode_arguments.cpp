@@ -61,6 +61,11 @@ void declare_options(CLI::App& app, EncodeArguments& arguments) {
          "quality layers, 1 ... 6: each refines all levels, so prefixes are better and the whole is larger")
       ->check(CLI::Range(1, 6))
       ->capture_default_str();
+  app.add_option("--regions", arguments.regions,
+                 "parts of the surface that can be fetched and refined alone, 2 ... 255; 0: none. Each takes some\n"
+                 "50 bytes per quality layer")
+      ->check(CLI::Range(0, 255))
+      ->capture_default_str();
   app.add_option("--crease", arguments.crease, "keep edges sharper than this angle in degrees; 0: none")
       ->check(CLI::Range(0.0, 180.0));
   app.add_option("--repair", arguments.repair,
@@ -108,6 +113,7 @@ EncodeOptions options_of(const EncodeArguments& arguments) {
                    : arguments.domain == "auto" ? DomainChoice::kAuto
                                                 : DomainChoice::kGeneral;
   options.quality_layer_count = arguments.layers;
+  options.region_count = arguments.regions;
   options.crease_angle_degrees = arguments.crease;
   if (!arguments.units.empty()) options.units = parse_units(arguments.units);
   if (!arguments.up.empty()) options.up_axis = arguments.up == "y" ? UpAxis::kY : UpAxis::kZ;

@@ -22,7 +22,7 @@ struct EncodeArguments {
   int effort = 5;
   std::optional<int> base, levels;
   std::string domain = "general", colour = "auto";
-  int layers = 1;
+  int layers = 1, regions = 0;
   double crease = 0;
   std::string repair = "auto", units, up, report, vertex_map, glb, progress = "auto", memory_limit;
   double timeout_seconds = 0;

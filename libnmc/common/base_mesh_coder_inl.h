@@ -222,7 +222,7 @@ Status BaseMeshModel::code_connectivity(Coder& coder, Memory* memory, const Face
         int side = 0, is_near = 0;
         if (encoding) {
           place = place_of_corner(*lookup, border, old_index, new_index, u, v, third);
-          if (place == kNone) return {StatusCode::kArgument, nullptr, "the base mesh is not a manifold"};
+          if (place == kNone) return NMC_ERROR(kArgument, nullptr, "the base mesh is not a manifold");
           std::uint32_t forward = border[next].next, backward = previous;
           for (std::uint32_t step = 0; step < kNearest && !is_near; ++step) {
             if (forward == place || backward == place) {

@@ -27,7 +27,7 @@ Status CodedAttribute::predict_level(const AttributeDescriptor& descriptor, int 
                                      const LevelTopology& coarse, StopRequest stop) {
   if (known_levels_ > level) return ok_status();
   if (known_levels_ < level)
-    return {StatusCode::kState, nullptr, "a coarser level of the attribute is missing"};
+    return NMC_ERROR(kState, nullptr, "a coarser level of the attribute is missing");
   const int count = descriptor.component_count;
   const std::size_t needed =
       (std::size_t{coarse.vertex_count} + coarse.edge_count) * static_cast<std::size_t>(count);

@@ -2,6 +2,7 @@
 #include "libnmc/common/coded_mesh.h"
 
 #include <cstring>
+#include <type_traits>
 
 #include "libnmc/common/hash.h"
 
@@ -13,9 +14,15 @@ CodedMesh::CodedMesh(Memory* memory, const Header* header)
       base_(memory),
       ring_weights_(memory),
       vertex_values_(memory),
-      positions_(memory) {
-  for (LevelTopology& topology : topology_) topology = LevelTopology(memory);
-  for (LevelCoefficients& coefficients : coefficients_) coefficients = LevelCoefficients(memory);
+      positions_(memory),
+      partition_(memory),
+      region_scratch_(memory),
+      next_layer_of_region_(memory) {
+  for (LevelTopology& topology : topology_) topology.set_memory(memory);
+  for (LevelCoefficients& coefficients : coefficients_) {
+    coefficients.normal.set_memory(memory);
+    coefficients.tangential.set_memory(memory);
+  }
   for (CodedAttribute& attribute : attributes_) attribute = CodedAttribute(memory);
   for (int& layer : layer_of_level_) layer = -1;
   begin_layer();
@@ -25,11 +32,12 @@ void CodedMesh::begin_layer() {
   marked_base_layer_ = base_layer_;
   for (int level = 0; level < kMaximumLevelCount; ++level)
     marked_layer_of_level_[level] = layer_of_level_[level];
+  is_region_changed_ = false;
   for (CodedAttribute& attribute : attributes_) attribute.begin_layer();
 }
 
 bool CodedMesh::roll_back_layer() {
-  bool intact = base_layer_ == marked_base_layer_ && !correcting_;
+  bool intact = base_layer_ == marked_base_layer_ && !correcting_ && !is_region_changed_;
   for (CodedAttribute& attribute : attributes_) attribute.roll_back_layer();
   for (int level = 0; level < kMaximumLevelCount; ++level) {
     if (layer_of_level_[level] == marked_layer_of_level_[level]) continue;
@@ -51,7 +59,7 @@ Status CodedMesh::set_base_topology() {
 
 Status CodedMesh::ensure_topology(int level, bool faces_only) {
   if (level < 0 || level > kMaximumLevelCount || topology_count_ == 0) {
-    return {StatusCode::kState, nullptr, "the level is not there yet"};
+    return NMC_ERROR(kState, nullptr, "the level is not there yet");
   }
   const bool needs_edges_of_last = level >= topology_count_ || (level == topology_count_ - 1 && !faces_only);
   if (needs_edges_of_last && last_is_faces_only_) {
@@ -72,30 +80,28 @@ Status CodedMesh::begin_level(int layer, int level, LevelCoefficients& previous,
   NMC_CHECK_STREAM(level >= 0 && level < header_->level_count && layer < header_->quality_layer_count, "5.3",
                    "a level or layer that the header does not announce");
   NMC_CHECK_STREAM(base_layer_ >= 0 && layer == layer_of_level_[level] + 1 &&
-                       (level == 0 || layer_of_level_[level - 1] >= 0),
+                       (level == 0 || layer_of_level_[level - 1] >= 0) &&
+                       (header_->region_count == 0 || level < header_->region_level),
                    "4.3", "a level comes out of order");
   NMC_TRY(ensure_topology(level, false));
   has_previous = layer > 0;
   if (!has_previous) return ok_status();
+  // What the level had moves to `previous`; all of it comes anew.
   correcting_ = true;
-  const LevelCoefficients& current = coefficients_[level];
-  if (!previous.normal.resize(current.normal.size()) ||
-      !previous.tangential.resize(current.tangential.size())) {
-    return no_memory();
-  }
-  const std::int64_t ratio = header_->layer_ratio[layer];
-  const auto scaled = [&](std::int32_t value) {
-    const std::int64_t product = ratio * value;
-    return static_cast<std::int32_t>(product > kMaximumMagnitude    ? kMaximumMagnitude
-                                     : product < -kMaximumMagnitude ? -kMaximumMagnitude
-                                                                    : product);
-  };
-  for (std::size_t i = 0; i < current.normal.size(); ++i) previous.normal[i] = scaled(current.normal[i]);
-  for (std::size_t i = 0; i < current.tangential.size(); ++i) {
-    const TangentialCoefficient& t = current.tangential[i];
-    previous.tangential[i] = {t.edge, scaled(t.along), scaled(t.across)};
-  }
+  LevelCoefficients& current = coefficients_[level];
+  previous.normal.swap(current.normal);
+  previous.tangential.swap(current.tangential);
+  scale(layer, previous);
   return ok_status();
+}
+
+NMC_SELDOM void CodedMesh::scale(int layer, LevelCoefficients& coefficients) const {
+  const std::int64_t ratio = header_->layer_ratio[layer];
+  for (std::int32_t& value : coefficients.normal) value = held_coefficient(ratio * value);
+  for (TangentialCoefficient& t : coefficients.tangential) {
+    t.along = held_coefficient(ratio * t.along);
+    t.across = held_coefficient(ratio * t.across);
+  }
 }
 
 Status CodedMesh::end_level(int layer, int level) {
@@ -112,13 +118,141 @@ Status CodedMesh::end_level(int layer, int level) {
   return ok_status();
 }
 
+NMC_SELDOM Status CodedMesh::ensure_partition() {
+  if (header_->region_count == 0 || topology_count_ == 0) {
+    return NMC_ERROR(kState, nullptr, "there are no regions, or none yet");
+  }
+  if (!next_layer_of_region_.empty()) return ok_status();
+  NMC_TRY(partition_.build(topology_[0], header_->region_count, memory_));
+  return next_layer_of_region_.resize(header_->region_count) ? ok_status() : no_memory();
+}
+
+NMC_SELDOM Status CodedMesh::begin_region(int layer, int region, RegionCoder& coding) {
+  NMC_CHECK_STREAM(base_layer_ >= 0, "4.3", "coefficients come before the base mesh");
+  NMC_TRY(ensure_partition());
+  const int first = header_->region_level, reached = layer_of_level_[first];
+  NMC_CHECK_STREAM(layer_of_level_[first - 1] >= 0 && layer == static_cast<int>(next_layer_of_region_[static_cast<std::size_t>(region)]) && layer >= reached &&
+                       layer <= reached + 1,
+                   "4.3", "a region comes out of order");
+  static_assert(std::is_trivially_copyable_v<CoefficientModel>);
+  if (!coding.shared_states_.resize_unset(sizeof coefficient_model_ / sizeof(std::uint32_t))) return no_memory();
+  std::memcpy(coding.shared_states_.data(), &coefficient_model_, sizeof coefficient_model_);
+  coding.region_ = region;
+  coding.layer_ = layer;
+  is_region_changed_ = true;
+  return ok_status();
+}
+
+NMC_SELDOM Status CodedMesh::walk_region_to(int level, RegionCoder& coding) {
+  RegionLevel& region = coding.level_;
+  const auto region_number = static_cast<std::uint32_t>(coding.region_);
+  Array<std::int32_t>& vertex_values = coding.vertex_values_;
+  if (coding.number_ < 0) {
+    NMC_TRY(region.extract(topology_[0], partition_, region_number, region_scratch_));
+    const std::uint32_t vertex_count = region.topology().vertex_count;
+    if (!vertex_values.resize(std::size_t{vertex_count} + region.topology().edge_count)) return no_memory();
+    for (std::uint32_t e = 0; e < region.topology().edge_count; ++e) {
+      const bool is_foreign = region.odd_edges[2 * e] == kNone;
+      vertex_values[vertex_count + e] = is_foreign ? 0 : coefficients_[0].normal[region.edges[e]];
+    }
+    coding.number_ = 1;
+  }
+  for (; coding.number_ < level; ++coding.number_) {
+    NMC_TRY(exchange_region(coding, coding.values_, coefficients_[coding.number_], nullptr));
+    const std::size_t known = vertex_values.size(), added = coding.values_.normal.size();
+    if (!vertex_values.resize_unset(known + added)) return no_memory();
+    std::memcpy(vertex_values.data() + known, coding.values_.normal.data(), added * sizeof(std::int32_t));
+    NMC_TRY(region.split(partition_, region_number));
+  }
+  const LevelTopology& part = region.topology();
+  LevelTopology& fine = coding.fine_;
+  fine.edge_count = 2 * part.edge_count + 3 * part.face_count;
+  fine.edge_is_curve.clear();
+  if (part.has_curves() && !fine.edge_is_curve.resize(fine.edge_count)) return no_memory();
+  for (std::uint32_t e = 0; part.has_curves() && e < 2 * part.edge_count; ++e)
+    fine.edge_is_curve[e] = part.edge_is_curve[e / 2];
+  return ok_status();
+}
+
+NMC_SELDOM Status CodedMesh::begin_region_level(int level, RegionCoder& coding, std::uint64_t& value_count) {
+  NMC_TRY(walk_region_to(level, coding));
+  value_count = std::uint64_t{coding.fine_.edge_count} + coefficients_[level].tangential.size();
+  return ok_status();
+}
+
+NMC_SELDOM Status CodedMesh::open_region_level(RegionCoder& coding) {
+  const int level = coding.number_;
+  LevelCoefficients& whole = coefficients_[level];
+  if (layer_of_level_[level] < 0) {
+    const std::size_t count = 2 * std::size_t{coding.level_.whole_edge_count} +
+                              3 * (std::size_t{header_->base_face_count} << (2 * (level - 1)));
+    whole.normal.clear();
+    whole.tangential.clear();
+    if (!whole.normal.resize(count)) return no_memory();
+    layer_of_level_[level] = 0;
+  } else if (layer_of_level_[level] < coding.layer_) {
+    scale(coding.layer_, whole);
+    // From here on all regions are in the finer steps, with the values that they had.
+    layer_of_level_[level] = coding.layer_;
+  }
+  return ok_status();
+}
+
+NMC_SELDOM Status CodedMesh::exchange_region(const RegionCoder& coding, LevelCoefficients& part,
+                                             const LevelCoefficients& from, LevelCoefficients* to) const {
+  const Array<std::uint32_t>& numbers = coding.level_.odd_edges;
+  // Both lists are in order of edge, in either numbering. Into the whole they are merged, and what the region had
+  // goes; out of it the region's own entries are looked up.
+  const std::size_t from_count = from.tangential.size(), part_count = to ? part.tangential.size() : 0;
+  Array<TangentialCoefficient> list(memory_);
+  if (!list.reserve(from_count + part_count) || !part.normal.resize(numbers.size())) return no_memory();
+  std::size_t i = 0, j = 0;
+  const auto take = [&](const TangentialCoefficient& t, std::uint32_t edge) {
+    static_cast<void>(list.push_back({edge, t.along, t.across}));  // room was reserved
+  };
+  for (std::size_t e = 0; e <= numbers.size(); ++e) {
+    const bool is_end = e == numbers.size();
+    const std::uint32_t number = is_end ? kNone : numbers[e];
+    if (!is_end && number == kNone) {
+      part.normal[e] = 0;
+      continue;
+    }
+    for (; i < from_count && from.tangential[i].edge < number; ++i)
+      if (to) take(from.tangential[i], from.tangential[i].edge);
+    if (is_end) break;
+    if (i < from_count && from.tangential[i].edge == number) {
+      if (!to) take(from.tangential[i], static_cast<std::uint32_t>(e));
+      ++i;
+    }
+    if (!to) {
+      part.normal[e] = from.normal[number];
+      continue;
+    }
+    to->normal[number] = part.normal[e];
+    if (j < part_count && part.tangential[j].edge == e) take(part.tangential[j++], number);
+  }
+  (to ? to->tangential : part.tangential).swap(list);
+  return ok_status();
+}
+
+NMC_SELDOM Status CodedMesh::put_region(const RegionCoder& coding, LevelCoefficients& part) {
+  LevelCoefficients& whole = coefficients_[coding.number_];
+  if (clean_level_ > coding.number_) clean_level_ = coding.number_;
+  return exchange_region(coding, part, whole, &whole);
+}
+
+void CodedMesh::end_region(const RegionCoder& coding) {
+  ++next_layer_of_region_[static_cast<std::size_t>(coding.region_)];
+  std::memcpy(static_cast<void*>(&coefficient_model_), coding.shared_states_.data(), sizeof coefficient_model_);
+}
+
 LevelQuantizer CodedMesh::current_quantizer(int level) const {
   const int layer = layer_of_level_[level];
   return header_->quantizer(level, layer < 0 ? 0 : layer);
 }
 
 Status CodedMesh::update_positions(int level, StopRequest stop) {
-  if (base_layer_ < 0) return {StatusCode::kState, nullptr, "the base mesh is not there yet"};
+  if (base_layer_ < 0) return NMC_ERROR(kState, nullptr, "the base mesh is not there yet");
   if (clean_level_ >= level) return ok_status();
   if (level > 0) NMC_TRY(ensure_topology(level - 1, false));
   const std::size_t vertex_count =
@@ -157,7 +291,7 @@ Status CodedMesh::update_positions(int level, StopRequest stop) {
 Status CodedMesh::update_attribute(int index, int level, StopRequest stop) {
   CodedAttribute& attribute = attributes_[index];
   if (attribute.finest_known_level() < 0)
-    return {StatusCode::kState, nullptr, "the attribute is not there yet"};
+    return NMC_ERROR(kState, nullptr, "the attribute is not there yet");
   for (int l = attribute.finest_known_level() + 1; l <= level; ++l) {
     NMC_TRY(ensure_topology(l - 1, false));
     NMC_TRY(attribute.predict_level(header_->attributes[index], l, topology_[l - 1], stop));

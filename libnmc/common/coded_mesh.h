@@ -15,6 +15,7 @@
 #include "libnmc/common/format.h"
 #include "libnmc/common/memory.h"
 #include "libnmc/common/reconstruct.h"
+#include "libnmc/common/region.h"
 #include "libnmc/common/status.h"
 #include "libnmc/common/stop_request.h"
 
@@ -38,6 +39,21 @@ class CodedMesh {
   /// The odd vertices of level `level` in quality layer `layer`. Encoders give the target.
   template <class Coder>
   Status code_level(Coder& coder, int layer, int level, const LevelCoefficients* target);
+
+  /// The same for one region: begin_region(), for each level of the header's regions begin_region_level() and
+  /// code_region_level(), end_region(). The region's states start as those of all are now.
+  class RegionCoder;
+  /// `layer` and `region` must be of the header.
+  Status begin_region(int layer, int region, RegionCoder& coding);
+  /// Tells how many values are to be dealt with.
+  Status begin_region_level(int level, RegionCoder& coding, std::uint64_t& value_count);
+  /// `target` is that of the whole level; null when decoding.
+  template <class Coder>
+  Status code_region_level(Coder& coder, RegionCoder& coding, const LevelCoefficients* target);
+  void end_region(const RegionCoder& coding);
+  /// Which base face lies in which region. Needs the base mesh and a header with regions.
+  Status ensure_partition();
+  const RegionPartition& partition() const { return partition_; }
 
   /// The values that `level` of attribute `index` adds, which must be its next one: see CodedAttribute, also
   /// for `choose`. Needs the base mesh, but no level of the geometry.
@@ -85,6 +101,17 @@ class CodedMesh {
  private:
   Status begin_level(int layer, int level, LevelCoefficients& previous, bool& has_previous);
   Status end_level(int layer, int level);
+  /// Brings coefficients of the layer before `layer` to its steps.
+  void scale(int layer, LevelCoefficients& coefficients) const;
+  /// Copies the integers of the region's own edges out of those of the whole, `from`, or into them where `to` is
+  /// given, which then is the same level.
+  Status exchange_region(const RegionCoder& coding, LevelCoefficients& part, const LevelCoefficients& from,
+                         LevelCoefficients* to) const;
+  Status put_region(const RegionCoder& coding, LevelCoefficients& part);
+  /// Builds the region's connectivity up to what level `level` needs.
+  Status walk_region_to(int level, RegionCoder& coding);
+  /// Makes room for the level's integers, or brings them to the steps of the region's layer.
+  Status open_region_level(RegionCoder& coding);
   Status set_base_topology();
   void base_changed() { clean_level_ = -1; }
 
@@ -107,6 +134,27 @@ class CodedMesh {
   int marked_base_layer_ = -1;  // as they were at begin_layer()
   bool correcting_ = false;     // values of an earlier layer are being overwritten
   int marked_layer_of_level_[kMaximumLevelCount];
+  RegionPartition partition_;
+  Array<std::uint32_t> region_scratch_;
+  bool is_region_changed_ = false;             // since begin_layer()
+  Array<std::uint32_t> next_layer_of_region_;
+};
+
+/// A region's chunk while it is coded: the region as a mesh of its own.
+class CodedMesh::RegionCoder {
+ public:
+  explicit RegionCoder(Memory* memory)
+      : shared_states_(memory), level_(memory), fine_(memory), values_(memory), vertex_values_(memory) {}
+
+ private:
+  friend class CodedMesh;
+  Array<std::uint32_t> shared_states_;  // the bytes of the mesh's CoefficientModel as it was before
+  RegionLevel level_;              // the level below the one that is coded
+  LevelTopology fine_;             // its split: counts and curve edges
+  LevelCoefficients values_;       // by the edges of the split
+  Array<std::int32_t> vertex_values_;
+  int region_ = 0, layer_ = 0;
+  int number_ = -1;  // the level that is coded; -1: none yet
 };
 
 // ---- implementation ----
@@ -186,6 +234,19 @@ Status CodedMesh::code_level(Coder& coder, int layer, int level, const LevelCoef
                                         topology_[level], vertex_values_.data(),
                                         has_previous ? &previous : nullptr, current));
   return end_level(layer, level);
+}
+
+template <class Coder>
+Status CodedMesh::code_region_level(Coder& coder, RegionCoder& coding, const LevelCoefficients* target) {
+  LevelCoefficients previous(memory_);
+  const bool has_previous = coding.layer_ > 0;
+  NMC_TRY(open_region_level(coding));
+  if (has_previous) NMC_TRY(exchange_region(coding, previous, coefficients_[coding.number_], nullptr));
+  if constexpr (!Coder::kDecodes) NMC_TRY(exchange_region(coding, coding.values_, *target, nullptr));
+  NMC_TRY(coefficient_model_.code_level(coder, memory_, coding.number_, &coding.level_.topology(), coding.fine_,
+                                      coding.vertex_values_.data(), has_previous ? &previous : nullptr,
+                                      coding.values_, coding.level_.odd_edges.data()));
+  return put_region(coding, coding.values_);
 }
 
 template <class Coder, class Choose>

@@ -42,13 +42,13 @@ bool merge(const Array<TangentialCoefficient>* a, const Array<TangentialCoeffici
   return true;
 }
 
-std::int32_t clamped(std::int64_t value) {
+}  // namespace
+
+std::int32_t held_coefficient(std::int64_t value) {
   return static_cast<std::int32_t>(value > kMaximumMagnitude    ? kMaximumMagnitude
                                    : value < -kMaximumMagnitude ? -kMaximumMagnitude
                                                                 : value);
 }
-
-}  // namespace
 
 Status subtract_tangential(const Array<TangentialCoefficient>& a, const Array<TangentialCoefficient>* b,
                            Array<TangentialCoefficient>& difference) {
@@ -65,8 +65,8 @@ Status add_tangential(const Array<TangentialCoefficient>* previous,
   sum.clear();
   const bool done =
       merge(previous, &difference, [&](const TangentialCoefficient& s, const TangentialCoefficient& t) {
-        const TangentialCoefficient total{s.edge, clamped(std::int64_t{s.along} + t.along),
-                                          clamped(std::int64_t{s.across} + t.across)};
+        const TangentialCoefficient total{s.edge, held_coefficient(std::int64_t{s.along} + t.along),
+                                          held_coefficient(std::int64_t{s.across} + t.across)};
         return (total.along == 0 && total.across == 0) || sum.push_back(total);
       });
   return done ? ok_status() : no_memory();

@@ -26,6 +26,9 @@ namespace nmc {
 /// Largest magnitude of a coefficient (spec 8).
 inline constexpr std::int32_t kMaximumMagnitude = (1 << 26) - 1;
 
+/// `value`, held within the magnitudes that a coefficient may have.
+std::int32_t held_coefficient(std::int64_t value);
+
 namespace coefficient_internal {
 struct Surroundings;
 }
@@ -69,11 +72,14 @@ class CoefficientModel {
   /// is quiet around such a block one decision says that the block is zero (spec 5.3.2). `previous`: the same
   /// coefficients after the previous layer, already multiplied by the ratio of the steps; null in the first
   /// layer. `vertex_values`: the normal coefficient with which each vertex of `topology` was inserted (zero
-  /// for base vertices). Reads `coefficients` when encoding and fills it when decoding.
+  /// for base vertices). Reads `coefficients` when encoding and fills it when decoding. `edge_number`, null or one
+  /// per edge of `topology`: where it is kNone the edge is zero without being coded, and so is the other half (spec
+  /// 5.4). Of `topology` only the counts and curve edges are looked at, but of level 0 all.
   template <class Coder>
   Status code_level(Coder& coder, Memory* memory, int level, const LevelTopology* coarse,
                     const LevelTopology& topology, const std::int32_t* vertex_values,
-                    const LevelCoefficients* previous, LevelCoefficients& coefficients);
+                    const LevelCoefficients* previous, LevelCoefficients& coefficients,
+                    const std::uint32_t* edge_number = nullptr);
 
  private:
   static constexpr int kLevelClasses = 8;
@@ -120,7 +126,8 @@ class CoefficientModel {
   std::int32_t code_signed(Coder& coder, NumberModel& magnitude, AdaptiveBit& sign, std::int32_t value);
   template <class Coder>
   NMC_SELDOM Status code_tangential(Coder& coder, Memory* memory, const LevelTopology& topology,
-                                    const LevelCoefficients* previous, LevelCoefficients& coefficients);
+                                    const LevelCoefficients* previous, LevelCoefficients& coefficients,
+                                    const std::uint32_t* edge_number);
 
   struct SignificanceStates {
     AdaptiveBit by_energy[kLevelClasses][kKindCount][11];

@@ -309,9 +309,11 @@ Status add_tangential(const Array<TangentialCoefficient>* previous,
 
 template <class Coder>
 Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const LevelTopology& topology,
-                                         const LevelCoefficients* previous, LevelCoefficients& coefficients) {
+                                         const LevelCoefficients* previous, LevelCoefficients& coefficients,
+                                         const std::uint32_t* edge_number) {
   using namespace coefficient_internal;
   const int layer = previous ? 1 : 0;
+  const auto is_foreign = [&](std::uint32_t edge) { return edge_number && edge_number[edge] == kNone; };
   Array<TangentialCoefficient> difference(memory);
   if constexpr (!Coder::kDecodes) {
     NMC_TRY(
@@ -324,7 +326,7 @@ Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const Lev
     std::size_t position = 0;
     int context = 0;
     for (std::uint32_t edge = 0; edge < topology.edge_count; ++edge) {
-      if (!topology.edge_is_curve[edge]) continue;
+      if (!topology.edge_is_curve[edge] || is_foreign(edge)) continue;
       std::int32_t across = 0;
       if constexpr (!Coder::kDecodes) {
         while (position < difference.size() && difference[position].edge < edge) ++position;
@@ -359,6 +361,7 @@ Status CoefficientModel::code_tangential(Coder& coder, Memory* memory, const Lev
                      "a tangential coefficient names no edge");
     t.edge = next_edge + gap;
     next_edge = t.edge + 1;
+    NMC_CHECK_STREAM(!is_foreign(t.edge), "5.4", "a tangential coefficient lies in another region");
     t.along = code_signed(coder, along_, along_sign_, t.along);
     const bool on_curve = topology.is_curve(t.edge);
     const std::int32_t across = on_curve ? 0 : code_signed(coder, across_, across_sign_, t.across);
@@ -587,7 +590,8 @@ void CoefficientModel::code_inner_edges(Coder& coder, const LevelView& view, con
 template <class Coder>
 Status CoefficientModel::code_level(Coder& coder, Memory* memory, int level, const LevelTopology* coarse,
                                     const LevelTopology& topology, const std::int32_t* vertex_values,
-                                    const LevelCoefficients* previous, LevelCoefficients& coefficients) {
+                                    const LevelCoefficients* previous, LevelCoefficients& coefficients,
+                                    const std::uint32_t* edge_number) {
   if (!coefficients.normal.resize(topology.edge_count)) return no_memory();
   const LevelView view = {level < kLevelClasses ? level : kLevelClasses - 1, topology, vertex_values,
                           previous ? previous->normal.data() : nullptr};
@@ -607,6 +611,10 @@ Status CoefficientModel::code_level(Coder& coder, Memory* memory, int level, con
   } else {
     for (std::uint32_t edge = 0; edge < coarse->edge_count; ++edge) {
       NMC_TRY(check_now_and_then(edge));
+      if (edge_number && edge_number[2 * edge] == kNone) {
+        values[2 * edge] = values[2 * edge + 1] = 0;
+        continue;
+      }
       code_half_edges(coder, view, *coarse, edge, values);
     }
     for (std::uint32_t face = 0; face < coarse->face_count; ++face) {
@@ -614,7 +622,7 @@ Status CoefficientModel::code_level(Coder& coder, Memory* memory, int level, con
       code_inner_edges(coder, view, *coarse, face, values);
     }
   }
-  return code_tangential(coder, memory, topology, previous, coefficients);
+  return code_tangential(coder, memory, topology, previous, coefficients, edge_number);
 }
 
 }  // namespace nmc

@@ -21,6 +21,7 @@ inline constexpr std::uint32_t kMaximumChunkSize = 1 << 30;
 inline constexpr int kMaximumLevelCount = 14;
 inline constexpr int kMaximumLayerCount = 16;
 inline constexpr std::uint32_t kMaximumTableSize = 1024;
+inline constexpr std::uint32_t kMaximumRegionCount = 255;
 inline constexpr std::uint64_t kVerticesPerByte = 64;      // a level may hold kFreeVertices + 64 vertices per
 inline constexpr std::uint64_t kFreeVertices = 2048;       // byte of the stream up to the end of its chunk
 inline constexpr std::uint64_t kBaseFacesPerByte = 64;     // the base mesh may hold kFreeBaseFaces + 64 faces per
@@ -36,6 +37,7 @@ enum class ChunkType : std::uint8_t {
   kBaseCorrection = 0x02,
   kGeometry = 0x03,
   kAttribute = 0x04,
+  kRegion = 0x05,
   kMetadata = 0x81,
 };
 inline constexpr std::uint8_t kAncillaryBit = 0x80;
@@ -50,6 +52,7 @@ struct LayerEntry {
   std::uint8_t level;         // the level to show
   std::uint16_t rms_error;    // measured, as code: diagonal * 2^(-code / 2048)
   std::uint16_t max_error;
+  std::uint8_t region;        // 0: chunks for all; r + 1: chunks of region r alone
 };
 
 /// Everything a viewer wants to know before it decodes (spec 3.3).
@@ -69,6 +72,9 @@ struct Header {
   std::uint32_t base_face_count = 0;
   int level_count = 0;               // finest level of the stream
   int quality_layer_count = 1;       // quality layers
+  std::uint32_t region_count = 0;    // 0: the surface is not divided (spec 5.4)
+  int region_level = 0;              // the first level that is, >= 1
+  int region_level_count = 0;        // and how many are; beyond them there are no coefficients
   std::uint8_t layer_ratio[kMaximumLayerCount] = {};   // [k]: step of layer k-1 over step of layer k
   std::uint8_t step_code[kMaximumLevelCount] = {};     // per level: normal step of the last quality layer
   std::uint8_t tension_code[kMaximumLevelCount] = {};  // per level, in quarters

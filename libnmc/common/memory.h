@@ -105,6 +105,9 @@ class Array {
   }
   ~Array() { release(); }
 
+  /// Where memory comes from. Only while the array is empty and has no capacity.
+  void set_memory(Memory* memory) { memory_ = memory; }
+
   /// Keeps the elements below min(old size, count). False, and nothing changed, when memory is not to be had.
   [[nodiscard]] bool resize(std::size_t count) {
     if (count > capacity_ && !reserve(count)) return false;

@@ -13,7 +13,7 @@ struct StopRequest {
   void* user = nullptr;
 
   Status check() const {
-    if (should_stop && should_stop(user)) return {StatusCode::kStopped, nullptr, "stopped by the caller"};
+    if (should_stop && should_stop(user)) return NMC_ERROR(kStopped, nullptr, "stopped by the caller");
     return ok_status();
   }
 };

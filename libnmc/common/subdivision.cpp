@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "libnmc/common/subdivision.h"
 
+#include <initializer_list>
+
 #include <algorithm>
 
 namespace nmc {
@@ -130,7 +132,7 @@ void add_curve_edge(std::uint32_t vertex, std::uint32_t edge, LevelTopology& top
 NMC_SELDOM Status build_base_topology(const std::uint32_t* face_vertices, std::uint32_t face_count,
                                       std::uint32_t vertex_count, Memory* memory, LevelTopology& topology) {
   if (face_count > kNone / 4 || vertex_count > kNone / 4) {
-    return {StatusCode::kLimit, "8", "the base mesh is too large"};
+    return NMC_ERROR(kLimit, "8", "the base mesh is too large");
   }
   topology.vertex_count = vertex_count;
   topology.base_vertex_count = vertex_count;
@@ -148,6 +150,12 @@ NMC_SELDOM Status build_base_topology(const std::uint32_t* face_vertices, std::u
   NMC_TRY(number_base_edges(topology, memory));
   NMC_TRY(check_umbrellas(topology, memory));
   return set_creases(nullptr, topology);
+}
+
+NMC_SELDOM void LevelTopology::set_memory(Memory* memory) {
+  for (Array<std::uint32_t>* array : {&face_vertices, &face_edges, &edge_vertices, &edge_faces, &vertex_curve_edges})
+    array->set_memory(memory);
+  edge_is_curve.set_memory(memory);
 }
 
 NMC_SELDOM Status set_creases(const std::uint8_t* is_crease, LevelTopology& topology) {
@@ -195,7 +203,7 @@ void split_faces(const LevelTopology& coarse, std::uint32_t* fine_face_vertices)
 Status subdivide(const LevelTopology& coarse, bool faces_only, LevelTopology& fine) {
   const std::uint32_t V = coarse.vertex_count, E = coarse.edge_count, F = coarse.face_count;
   if (F > kNone / 16 || E > kNone / 16 || V > kNone / 2 - E) {
-    return {StatusCode::kLimit, "8", "the level has too many vertices"};
+    return NMC_ERROR(kLimit, "8", "the level has too many vertices");
   }
   fine.vertex_count = V + E;
   fine.edge_count = 2 * E + 3 * F;

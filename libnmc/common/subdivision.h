@@ -30,13 +30,9 @@ inline constexpr std::uint32_t kMaximumValence = 256;
 /// Connectivity of one level. An edge is directed: its left face holds it as (first vertex, second vertex) in
 /// counter-clockwise order and always exists; its right face is kNone on a boundary.
 struct LevelTopology {
-  explicit LevelTopology(Memory* memory = nullptr)
-      : face_vertices(memory),
-        face_edges(memory),
-        edge_vertices(memory),
-        edge_faces(memory),
-        edge_is_curve(memory),
-        vertex_curve_edges(memory) {}
+  explicit LevelTopology(Memory* memory = nullptr) { set_memory(memory); }
+  /// Only before anything is built.
+  void set_memory(Memory* memory);
 
   std::uint32_t vertex_count = 0;
   std::uint32_t edge_count = 0;

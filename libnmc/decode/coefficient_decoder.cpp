@@ -11,6 +11,7 @@ template Status CoefficientModel::code_level<RangeDecoder>(RangeDecoder& coder, 
                                                            const LevelTopology& topology,
                                                            const std::int32_t* vertex_values,
                                                            const LevelCoefficients* previous,
-                                                           LevelCoefficients& coefficients);
+                                                           LevelCoefficients& coefficients,
+                                                           const std::uint32_t* edge_number);
 
 }  // namespace nmc

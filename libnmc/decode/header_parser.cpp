@@ -45,17 +45,17 @@ Status parse_attribute(ByteReader& reader, int level_count, AttributeDescriptor&
 
 Status measure_header(const std::uint8_t* data, std::size_t size, std::size_t& total_size) {
   for (std::size_t i = 0; i < size && i < 4; ++i) {
-    if (data[i] != kSignature[i]) return {StatusCode::kNotNmc, "3.1", "this is not an nmc stream"};
+    if (data[i] != kSignature[i]) return NMC_ERROR(kNotNmc, "3.1", "this is not an nmc stream");
   }
   if (size > 4 && data[4] != kFormatVersion) {
-    return {StatusCode::kVersion, "3.1", "the stream has a version that this decoder does not know"};
+    return NMC_ERROR(kVersion, "3.1", "the stream has a version that this decoder does not know");
   }
-  if (size <= kPrefixSize) return {StatusCode::kNeedMoreInput, nullptr, nullptr};
+  if (size <= kPrefixSize) return NMC_ERROR(kNeedMoreInput, nullptr, nullptr);
   ByteReader reader(data + kPrefixSize, size - kPrefixSize);
   const std::uint64_t header_size = reader.read_varint();
-  if (reader.overrun() && size < kPrefixSize + 10) return {StatusCode::kNeedMoreInput, nullptr, nullptr};
+  if (reader.overrun() && size < kPrefixSize + 10) return NMC_ERROR(kNeedMoreInput, nullptr, nullptr);
   NMC_CHECK_STREAM(!reader.malformed() && !reader.overrun(), "2.2", "the size of the header is misspelt");
-  if (header_size > kMaximumHeaderSize) return {StatusCode::kLimit, "8", "the header is too large"};
+  if (header_size > kMaximumHeaderSize) return NMC_ERROR(kLimit, "8", "the header is too large");
   total_size = kPrefixSize + reader.position() + static_cast<std::size_t>(header_size) + kChecksumSize;
   return ok_status();
 }
@@ -67,16 +67,17 @@ Status parse_header(const std::uint8_t* data, std::size_t total_size, Header& he
   {
     ByteReader checksum(data + total_size - kChecksumSize, kChecksumSize);
     if (checksum.read_u32() != crc32c(data, total_size - kChecksumSize)) {
-      return {StatusCode::kChecksum, "3.3", "the checksum of the header is wrong"};
+      return NMC_ERROR(kChecksum, "3.3", "the checksum of the header is wrong");
     }
   }
   ByteReader reader(data + start, static_cast<std::size_t>(header_size));
   const std::uint8_t flags = reader.read_u8();
-  NMC_CHECK_STREAM((flags & 0xf0u) == 0, "3.3.1", "a reserved flag is set");
+  NMC_CHECK_STREAM((flags & 0xe0u) == 0, "3.3.1", "a reserved flag is set");
   header.has_creases = (flags & 1u) != 0;
   const bool has_attributes = (flags & 2u) != 0;
   const bool has_tensions = (flags & 4u) != 0;
   const bool has_layers = (flags & 8u) != 0;
+  const bool has_regions = (flags & 16u) != 0;
   const std::uint8_t frame = reader.read_u8();
   NMC_CHECK_STREAM((frame & 15u) <= static_cast<unsigned>(Units::kKilometre) && (frame >> 4) <= 2u, "3.3.2",
                    "unknown units or up axis");
@@ -123,6 +124,17 @@ Status parse_header(const std::uint8_t* data, std::size_t total_size, Header& he
       NMC_CHECK_STREAM(product <= (1u << 20), "3.3.4", "the quality layers span too much");
     }
   }
+  header.region_count = 0;
+  header.region_level = header.region_level_count = 0;
+  if (has_regions) {
+    header.region_count = reader.read_u8();
+    header.region_level = reader.read_u8();
+    header.region_level_count = reader.read_u8();
+    NMC_CHECK_STREAM(header.region_count >= 1 && header.region_count <= face_count && header.region_level >= 1 &&
+                         header.region_level_count >= 1 &&
+                         header.region_level + header.region_level_count <= level_count,
+                     "3.3.4", "the regions or their levels are out of range");
+  }
   if (level_count > 0) header.tangential_code = reader.read_u8();
   for (int l = 0; l < level_count; ++l) header.step_code[l] = reader.read_u8();
   for (int l = 0; l < level_count; ++l) {
@@ -146,7 +158,9 @@ Status parse_header(const std::uint8_t* data, std::size_t total_size, Header& he
     entry.level = reader.read_u8();
     entry.rms_error = reader.read_u16();
     entry.max_error = reader.read_u16();
-    NMC_CHECK_STREAM(entry.size > 0 && entry.size < (std::uint64_t{1} << 40) && entry.level <= level_count,
+    entry.region = has_regions ? reader.read_u8() : std::uint8_t{0};
+    NMC_CHECK_STREAM(entry.size > 0 && entry.size < (std::uint64_t{1} << 40) && entry.level <= level_count &&
+                         entry.region <= header.region_count,
                      "3.3.5", "a row of the layer table is out of range");
   }
   NMC_CHECK_STREAM(!reader.overrun(), "3.3", "the header ends too early");

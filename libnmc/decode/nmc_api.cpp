@@ -34,29 +34,32 @@ struct nmc_decoder {
   nmc::DecoderLimits limits;
   nmc::StreamDecoder stream;
   mutable nmc::Status last_call;  // of the calls that have no error of the stream to report
+  mutable nmc::StatusDetail caller_error{};
 };
 
 namespace {
 
 nmc_status record(const nmc_decoder* decoder, nmc::Status status) {
-  if (status.code == nmc::StatusCode::kNoMemory && decoder->memory.limit_reached()) {
-    status = {nmc::StatusCode::kLimit, "8", "the limit on memory is reached"};
+  if (status.code() == nmc::StatusCode::kNoMemory && decoder->memory.limit_reached()) {
+    status = NMC_ERROR(kLimit, "8", "the limit on memory is reached");
   }
   decoder->last_call = status;
-  return static_cast<nmc_status>(status.code);
+  return static_cast<nmc_status>(status.code());
 }
 
 nmc_status argument_error(const nmc_decoder* decoder, const char* message) {
-  return record(decoder, {nmc::StatusCode::kArgument, nullptr, message});
+  decoder->caller_error = {nmc::StatusCode::kArgument, nullptr, message};
+  return record(decoder, nmc::Status(&decoder->caller_error));
 }
 
 nmc_status state_error(const nmc_decoder* decoder, const char* message) {
-  return record(decoder, {nmc::StatusCode::kState, nullptr, message});
+  decoder->caller_error = {nmc::StatusCode::kState, nullptr, message};
+  return record(decoder, nmc::Status(&decoder->caller_error));
 }
 
-constexpr const char* kNull = "a pointer is null";
-constexpr const char* kNoHeader = "the header is not complete yet";
-constexpr const char* kNoAttribute = "the stream has no such attribute";
+constexpr const char* kNull = NMC_MESSAGE("a pointer is null");
+constexpr const char* kNoHeader = NMC_MESSAGE("the header is not complete yet");
+constexpr const char* kNoAttribute = NMC_MESSAGE("the stream has no such attribute");
 
 /// The vertices of `level` are `vertex_count`, and `stride` can hold `value_count` values of `value_size`
 /// bytes.
@@ -67,9 +70,9 @@ nmc_status check_output(const nmc_decoder* decoder, uint32_t level, const void* 
   const nmc_status status = nmc_decoder_mesh_size(decoder, level, &expected, &unused);
   if (status != NMC_OK) return status;
   if (!values) return argument_error(decoder, kNull);
-  if (vertex_count != expected) return argument_error(decoder, "the vertex count is not that of the level");
+  if (vertex_count != expected) return argument_error(decoder, NMC_MESSAGE("the vertex count is not that of the level"));
   if (stride < value_count * value_size || stride % value_size != 0) {
-    return argument_error(decoder, "the stride cannot hold the values of a vertex");
+    return argument_error(decoder, NMC_MESSAGE("the stride cannot hold the values of a vertex"));
   }
   return NMC_OK;
 }
@@ -270,11 +273,11 @@ nmc_status nmc_decoder_error(const nmc_decoder* decoder, nmc_error_detail* detai
   const nmc::DecoderError& error = decoder->stream.error();
   const bool is_of_stream = !error.status.ok();
   const nmc::Status& status = is_of_stream ? error.status : decoder->last_call;
-  detail->status = static_cast<nmc_status>(status.code);
+  detail->status = static_cast<nmc_status>(status.code());
   detail->byte_offset = is_of_stream ? error.byte_offset : 0;
   detail->chunk_type = is_of_stream ? error.chunk_type : 0;
-  detail->spec_section = status.section ? status.section : "";
-  detail->message = status.message ? status.message : "";
+  detail->spec_section = status.section() ? status.section() : "";
+  detail->message = status.message() ? status.message() : "";
   return NMC_OK;
 }
 
@@ -304,7 +307,19 @@ nmc_status nmc_decoder_info(const nmc_decoder* decoder, nmc_info* info) {
   info->up_axis = static_cast<nmc_up_axis>(header.up_axis);
   info->has_creases = header.has_creases ? 1 : 0;
   info->has_colors = header.color_attribute() >= 0 ? 1 : 0;
+  info->region_count = header.region_count;
   return NMC_OK;
+}
+
+nmc_status nmc_decoder_skip_layer(nmc_decoder* decoder) {
+  return decoder ? record(decoder, decoder->stream.skip_row()) : NMC_ERR_ARGUMENT;
+}
+
+nmc_status nmc_decoder_read_regions(nmc_decoder* decoder, uint8_t* regions, uint32_t face_count) {
+  if (!decoder) return NMC_ERR_ARGUMENT;
+  if (!regions || face_count != decoder->stream.header().base_face_count)
+    return argument_error(decoder, NMC_MESSAGE("the face count is not that of the base mesh"));
+  return record(decoder, decoder->stream.read_regions(regions));
 }
 
 nmc_status nmc_decoder_layer(const nmc_decoder* decoder, uint32_t index, nmc_layer* layer) {
@@ -312,7 +327,7 @@ nmc_status nmc_decoder_layer(const nmc_decoder* decoder, uint32_t index, nmc_lay
   if (!layer) return argument_error(decoder, kNull);
   if (!decoder->stream.has_header()) return state_error(decoder, kNoHeader);
   const nmc::Header& header = decoder->stream.header();
-  if (index >= header.layers.size()) return argument_error(decoder, "the table has no such layer");
+  if (index >= header.layers.size()) return argument_error(decoder, NMC_MESSAGE("the table has no such layer"));
   layer->index = index;
   layer->end_offset = decoder->stream.header_size();
   for (uint32_t i = 0; i <= index; ++i) layer->end_offset += header.layers[i].size;
@@ -320,6 +335,7 @@ nmc_status nmc_decoder_layer(const nmc_decoder* decoder, uint32_t index, nmc_lay
   layer->level = entry.level;
   layer->face_count = uint64_t{header.base_face_count} << (2 * entry.level);
   layer->has_error = entry.max_error != nmc::kUnknownError;
+  layer->region = static_cast<int32_t>(entry.region) - 1;
   const double diagonal = header.diagonal();
   layer->rms_error = nmc::error_from_code(entry.rms_error, diagonal);
   layer->max_error = nmc::error_from_code(entry.max_error, diagonal);
@@ -329,7 +345,7 @@ nmc_status nmc_decoder_layer(const nmc_decoder* decoder, uint32_t index, nmc_lay
 nmc_status nmc_decoder_current_layer(const nmc_decoder* decoder, nmc_layer* layer) {
   if (!decoder) return NMC_ERR_ARGUMENT;
   const std::size_t complete = decoder->stream.layers_complete();
-  if (complete == 0) return state_error(decoder, "no layer is complete yet");
+  if (complete == 0) return state_error(decoder, NMC_MESSAGE("no layer is complete yet"));
   return nmc_decoder_layer(decoder, static_cast<uint32_t>(complete - 1), layer);
 }
 
@@ -339,7 +355,7 @@ nmc_status nmc_decoder_select_layer(const nmc_decoder* decoder, nmc_criterion cr
   if (!index) return argument_error(decoder, kNull);
   if (!decoder->stream.has_header()) return state_error(decoder, kNoHeader);
   if (criterion < NMC_BY_MAX_ERROR || criterion > NMC_BY_LEVEL) {
-    return argument_error(decoder, "there is no such criterion");
+    return argument_error(decoder, NMC_MESSAGE("there is no such criterion"));
   }
   const bool wants_first = criterion == NMC_BY_MAX_ERROR || criterion == NMC_BY_RMS_ERROR;
   const auto layer_count = static_cast<uint32_t>(decoder->stream.header().layers.size());
@@ -393,7 +409,7 @@ nmc_status nmc_decoder_read_indices(nmc_decoder* decoder, uint32_t level, uint32
   if (status != NMC_OK) return status;
   if (!indices) return argument_error(decoder, kNull);
   if (index_count != uint64_t{3} * face_count) {
-    return argument_error(decoder, "the index count is not three times the face count of the level");
+    return argument_error(decoder, NMC_MESSAGE("the index count is not three times the face count of the level"));
   }
   return record(decoder, decoder->stream.read_indices(static_cast<int>(level), indices));
 }
@@ -429,7 +445,7 @@ nmc_status nmc_decoder_read_offsets(nmc_decoder* decoder, uint32_t level, float*
   const nmc_status sized = nmc_decoder_mesh_size(decoder, level, &expected, &unused);
   if (sized != NMC_OK) return sized;
   if (vertex_count != expected) {
-    return argument_error(decoder, "the vertex count is not that of the level");
+    return argument_error(decoder, NMC_MESSAGE("the vertex count is not that of the level"));
   }
   if (normal_offsets) std::memset(normal_offsets, 0, sizeof(float) * vertex_count);
   if (is_off_normal) std::memset(is_off_normal, 0, vertex_count);
@@ -513,13 +529,13 @@ nmc_status nmc_decoder_read_colors(nmc_decoder* decoder, uint32_t level, uint8_t
                                    uint32_t component_count, size_t stride, uint32_t vertex_count) {
   if (!decoder) return NMC_ERR_ARGUMENT;
   if (component_count != 3 && component_count != 4) {
-    return argument_error(decoder, "a colour has three or four components");
+    return argument_error(decoder, NMC_MESSAGE("a colour has three or four components"));
   }
   const nmc_status checked =
       check_output(decoder, level, colors, sizeof(uint8_t), component_count, stride, vertex_count);
   if (checked != NMC_OK) return checked;
   const int index = decoder->stream.header().color_attribute();
-  if (index < 0) return state_error(decoder, "the stream has no colours");
+  if (index < 0) return state_error(decoder, NMC_MESSAGE("the stream has no colours"));
   const nmc::Status updated = decoder->stream.update_attribute(index, static_cast<int>(level));
   if (!updated.ok()) return record(decoder, updated);
   const nmc::AttributeDescriptor& descriptor = decoder->stream.header().attributes[index];

@@ -15,7 +15,7 @@ extern template Status CoefficientModel::code_level<RangeDecoder>(RangeDecoder&,
                                                                   const LevelTopology*, const LevelTopology&,
                                                                   const std::int32_t*,
                                                                   const LevelCoefficients*,
-                                                                  LevelCoefficients&);
+                                                                  LevelCoefficients&, const std::uint32_t*);
 
 namespace {
 
@@ -34,7 +34,7 @@ Status read_chunk_frame(const std::uint8_t* data, std::size_t size, ChunkFrame& 
   frame.type = reader.read_u8();
   frame.payload_size = reader.read_varint();
   frame.head_size = reader.position();
-  if (reader.overrun() && size < kLargestChunkHead) return {StatusCode::kNeedMoreInput, nullptr, nullptr};
+  if (reader.overrun() && size < kLargestChunkHead) return NMC_ERROR(kNeedMoreInput, nullptr, nullptr);
   NMC_CHECK_STREAM(!reader.malformed() && !reader.overrun(), "2.2", "the size of a chunk is misspelt");
   return ok_status();
 }
@@ -60,15 +60,15 @@ Status StreamDecoder::feed(const std::uint8_t* data, std::size_t size) {
   }
   if (!buffer_.append(data, size)) {
     if (memory_ && memory_->limit_reached())
-      return {StatusCode::kLimit, "8", "the limit on memory is reached"};
+      return NMC_ERROR(kLimit, "8", "the limit on memory is reached");
     return no_memory();
   }
   return ok_status();
 }
 
 Status StreamDecoder::fail(Status status, std::uint64_t offset, std::uint8_t chunk_type) {
-  if (status.code == StatusCode::kNoMemory && memory_ && memory_->limit_reached()) {
-    status = {StatusCode::kLimit, "8", "the limit on memory is reached"};
+  if (status.code() == StatusCode::kNoMemory && memory_ && memory_->limit_reached()) {
+    status = NMC_ERROR(kLimit, "8", "the limit on memory is reached");
   }
   error_ = {offset, chunk_type, status};
   return status;
@@ -78,7 +78,7 @@ Status StreamDecoder::check_limits() const {
   if (header_.base_vertex_count > limits_.maximum_base_vertices ||
       static_cast<std::uint32_t>(header_.level_count) > limits_.maximum_levels ||
       header_.base_vertex_count > limits_.maximum_vertices) {
-    return {StatusCode::kLimit, "8", "the stream is larger than the limits allow"};
+    return NMC_ERROR(kLimit, "8", "the stream is larger than the limits allow");
   }
   return ok_status();
 }
@@ -98,10 +98,10 @@ std::uint64_t StreamDecoder::level_vertex_count(int level) const {
 Status StreamDecoder::check_level_size(int level, std::uint64_t bytes) const {
   const std::uint64_t vertex_count = level_vertex_count(level);
   if (vertex_count > limits_.maximum_vertices || vertex_count > kMaximumVertexCount) {
-    return {StatusCode::kLimit, "8", "the level has more vertices than the limits allow"};
+    return NMC_ERROR(kLimit, "8", "the level has more vertices than the limits allow");
   }
   if (level > 0 && vertex_count > kFreeVertices + kVerticesPerByte * bytes) {
-    return {StatusCode::kLimit, "8.2", "the level has more vertices than so few bytes may describe"};
+    return NMC_ERROR(kLimit, "8.2", "the level has more vertices than so few bytes may describe");
   }
   return ok_status();
 }
@@ -109,7 +109,7 @@ Status StreamDecoder::check_level_size(int level, std::uint64_t bytes) const {
 Status StreamDecoder::count_values(std::uint64_t count, std::uint64_t bytes) {
   value_count_ += count;
   if (value_count_ > kFreeValues + kValuesPerByte * bytes) {
-    return {StatusCode::kLimit, "8.2", "the stream has more values than so few bytes may describe"};
+    return NMC_ERROR(kLimit, "8.2", "the stream has more values than so few bytes may describe");
   }
   return ok_status();
 }
@@ -124,9 +124,7 @@ Status StreamDecoder::next(DecoderEvent& event) {
     NMC_TRY(check_arrived_chunks(layer_is_complete));
     if (!layer_is_complete) return ok_status();
     NMC_TRY(decode_layer());
-    layer_end_offset_ = layer_target_;
-    ++layers_complete_;
-    if (layers_complete_ < header_.layers.size()) layer_target_ += header_.layers[layers_complete_].size;
+    end_row();
     event = DecoderEvent::kLayer;
     return ok_status();
   }
@@ -139,10 +137,29 @@ Status StreamDecoder::next(DecoderEvent& event) {
   return ok_status();
 }
 
-Status StreamDecoder::begin_stream(DecoderEvent& event) {
+void StreamDecoder::end_row() {
+  layer_end_offset_ = layer_target_;
+  ++layers_complete_;
+  if (layers_complete_ < header_.layers.size()) layer_target_ += header_.layers[layers_complete_].size;
+}
+
+NMC_SELDOM Status StreamDecoder::skip_row() {
+  if (!error_.status.ok()) return error_.status;
+  if (layers_complete_ == header_.layers.size() || header_.layers[layers_complete_].region == 0 ||
+      consumed_ < buffer_.size()) {
+    return NMC_ERROR(kState, nullptr, "the next row cannot be left out");
+  }
+  buffer_.clear();
+  consumed_ = checked_ = 0;
+  buffer_offset_ = layer_target_;
+  end_row();
+  return ok_status();
+}
+
+NMC_SELDOM Status StreamDecoder::begin_stream(DecoderEvent& event) {
   std::size_t total_size = 0;
   const Status measured = measure_header(buffer_.data(), buffer_.size(), total_size);
-  if (measured.code == StatusCode::kNeedMoreInput) return ok_status();
+  if (measured.code() == StatusCode::kNeedMoreInput) return ok_status();
   if (!measured.ok()) return fail(measured, 0);
   if (buffer_.size() < total_size) return ok_status();
   const Status parsed = parse_header(buffer_.data(), total_size, header_);
@@ -165,21 +182,21 @@ Status StreamDecoder::check_arrived_chunks(bool& layer_is_complete) {
     if (size == 0) return ok_status();
     ChunkFrame frame;
     const Status framed = read_chunk_frame(data, size, frame);
-    if (framed.code == StatusCode::kNeedMoreInput) return ok_status();
+    if (framed.code() == StatusCode::kNeedMoreInput) return ok_status();
     if (!framed.ok()) return fail(framed, offset, frame.type);
     if (frame.payload_size > kMaximumChunkSize || frame.payload_size > limits_.maximum_chunk_size) {
-      return fail({StatusCode::kLimit, "8", "a chunk is too large"}, offset, frame.type);
+      return fail(NMC_ERROR(kLimit, "8", "a chunk is too large"), offset, frame.type);
     }
     // At most 2^30 + 15: no overflow where size_t has 32 bits.
     const std::size_t chunk_size =
         frame.head_size + static_cast<std::size_t>(frame.payload_size) + kChecksumSize;
     if (offset + chunk_size > layer_target_) {
-      return fail(corrupt("3.3.5", "a chunk reaches beyond its layer"), offset, frame.type);
+      return fail(NMC_ERROR(kCorrupt, "3.3.5", "a chunk reaches beyond its layer"), offset, frame.type);
     }
     if (size < chunk_size) return ok_status();
     ByteReader checksum(data + chunk_size - kChecksumSize, kChecksumSize);
     if (checksum.read_u32() != crc32c(data, chunk_size - kChecksumSize)) {
-      return fail({StatusCode::kChecksum, "3.2", "the checksum of a chunk is wrong"}, offset, frame.type);
+      return fail(NMC_ERROR(kChecksum, "3.2", "the checksum of a chunk is wrong"), offset, frame.type);
     }
     checked_ += chunk_size;
   }
@@ -195,8 +212,11 @@ Status StreamDecoder::decode_layer() {
     ChunkFrame frame;
     NMC_TRY(read_chunk_frame(data, buffer_.size() - consumed_, frame));
     const auto payload_size = static_cast<std::size_t>(frame.payload_size);
+    const bool is_in_place = is_in_its_row(frame.type, data + frame.head_size, payload_size);
     const Status decoded =
-        decode_chunk(static_cast<ChunkType>(frame.type), data + frame.head_size, payload_size,
+        !is_in_place
+            ? NMC_ERROR(kCorrupt, "3.3.5", "a chunk lies in the row of another region")
+            : decode_chunk(static_cast<ChunkType>(frame.type), data + frame.head_size, payload_size,
                      offset + frame.head_size + payload_size + kChecksumSize);
     if (!decoded.ok()) {
       mesh_is_lost_ = !mesh_.roll_back_layer();
@@ -208,21 +228,29 @@ Status StreamDecoder::decode_layer() {
     consumed_ += chunk_size;
   }
   if (!mesh_.has_base()) {
-    return fail(corrupt("4.3", "the first layer has no base mesh"), layer_end_offset_);
+    return fail(NMC_ERROR(kCorrupt, "4.3", "the first layer has no base mesh"), layer_end_offset_);
   }
   return ok_status();
 }
 
-Status StreamDecoder::finish() {
-  if (!error_.status.ok()) return error_.status;
-  if (has_bytes_after_end_) {
-    return fail(corrupt("3.2", "bytes follow the last layer"), layer_end_offset_);
-  }
-  if (has_header_ && layers_complete_ == header_.layers.size()) return ok_status();
-  return fail({StatusCode::kTruncated, "3.2", "the stream ends early"}, buffer_offset_ + buffer_.size());
+NMC_SELDOM bool StreamDecoder::is_in_its_row(std::uint8_t type, const std::uint8_t* payload, std::size_t size) const {
+  const std::uint8_t region = header_.layers[layers_complete_].region;
+  if (region == 0 || (type & kAncillaryBit) != 0) return true;
+  ByteReader reader(payload, size);
+  return static_cast<ChunkType>(type) == ChunkType::kRegion &&
+         reader.read_varint() / static_cast<std::uint64_t>(header_.quality_layer_count) + 1 == region;
 }
 
-Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, std::size_t size,
+NMC_SELDOM Status StreamDecoder::finish() {
+  if (!error_.status.ok()) return error_.status;
+  if (has_bytes_after_end_) {
+    return fail(NMC_ERROR(kCorrupt, "3.2", "bytes follow the last layer"), layer_end_offset_);
+  }
+  if (has_header_ && layers_complete_ == header_.layers.size()) return ok_status();
+  return fail(NMC_ERROR(kTruncated, "3.2", "the stream ends early"), buffer_offset_ + buffer_.size());
+}
+
+NMC_SELDOM Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, std::size_t size,
                                    std::uint64_t end_offset) {
   // A payload that ends too early is said to, whatever the zeros read in its place meant (spec 5.1).
   const auto outcome = [](const RangeDecoder& coder, const Status& status) {
@@ -232,7 +260,7 @@ Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, 
     case ChunkType::kBaseMesh: {
       // An impossible count is refused before anything is allocated.
       if (header_.base_face_count > kFreeBaseFaces + kBaseFacesPerByte * static_cast<std::uint64_t>(size)) {
-        return {StatusCode::kLimit, "8.2", "the base mesh has more faces than so few bytes may describe"};
+        return NMC_ERROR(kLimit, "8.2", "the base mesh has more faces than so few bytes may describe");
       }
       RangeDecoder coder(payload, size, limits_.stop);
       return outcome(coder, mesh_.code_base(coder, nullptr, nullptr, nullptr, nullptr, nullptr));
@@ -254,6 +282,26 @@ Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, 
         NMC_TRY(count_values(level_vertex_count(level + 1) - level_vertex_count(level), end_offset));
         NMC_TRY(outcome(coder, mesh_.code_level(coder, layer, level, nullptr)));
       }
+      return ok_status();
+    }
+    case ChunkType::kRegion: {
+      ByteReader reader(payload, size);
+      const auto layer_count = static_cast<std::uint64_t>(header_.quality_layer_count);
+      const std::uint64_t place = reader.read_varint();
+      NMC_CHECK_STREAM(!reader.overrun() && !reader.malformed() && place / layer_count < header_.region_count, "5.4",
+                       "a region that the header does not announce");
+      CodedMesh::RegionCoder coding(memory_);
+      NMC_TRY(mesh_.begin_region(static_cast<int>(place % layer_count), static_cast<int>(place / layer_count), coding));
+      RangeDecoder coder(payload + reader.position(), size - reader.position(), limits_.stop);
+      for (int i = 0; i < header_.region_level_count; ++i) {
+        const int level = header_.region_level + i;
+        std::uint64_t value_count = 0;
+        NMC_TRY(check_level_size(level + 1, end_offset));
+        NMC_TRY(mesh_.begin_region_level(level, coding, value_count));
+        NMC_TRY(count_values(value_count, end_offset));
+        NMC_TRY(outcome(coder, mesh_.code_region_level(coder, coding, nullptr)));
+      }
+      mesh_.end_region(coding);
       return ok_status();
     }
     case ChunkType::kAttribute: {
@@ -278,15 +326,15 @@ Status StreamDecoder::decode_chunk(ChunkType type, const std::uint8_t* payload, 
     }
     default:
       if (static_cast<std::uint8_t>(type) & kAncillaryBit) return ok_status();
-      return {StatusCode::kFeature, "3.2", "the stream uses a feature that this decoder does not know"};
+      return NMC_ERROR(kFeature, "3.2", "the stream uses a feature that this decoder does not know");
   }
 }
 
 Status StreamDecoder::check_readable(int level) const {
   if (mesh_is_lost_) return error_.status;
-  if (layers_complete_ == 0) return {StatusCode::kState, nullptr, "no layer is complete yet"};
+  if (layers_complete_ == 0) return NMC_ERROR(kState, nullptr, "no layer is complete yet");
   if (level < 0 || level > header_.level_count) {
-    return {StatusCode::kArgument, nullptr, "the stream has no such level"};
+    return NMC_ERROR(kArgument, nullptr, "the stream has no such level");
   }
   return check_level_size(level, layer_end_offset_);
 }
@@ -306,9 +354,16 @@ Status StreamDecoder::update_positions(int level) {
 Status StreamDecoder::update_attribute(int index, int level) {
   NMC_TRY(check_readable(level));
   if (index < 0 || index >= header_.attribute_count) {
-    return {StatusCode::kArgument, nullptr, "the stream has no such attribute"};
+    return NMC_ERROR(kArgument, nullptr, "the stream has no such attribute");
   }
   return mesh_.update_attribute(index, level, limits_.stop);
+}
+
+NMC_SELDOM Status StreamDecoder::read_regions(std::uint8_t* regions) {
+  NMC_TRY(check_readable(0));
+  NMC_TRY(mesh_.ensure_partition());
+  for (const std::uint32_t region : mesh_.partition().region_of_face) *regions++ = static_cast<std::uint8_t>(region);
+  return ok_status();
 }
 
 Status StreamDecoder::read_indices(int level, std::uint32_t* indices) {

@@ -50,6 +50,9 @@ class StreamDecoder {
   /// all layers that were complete stay readable (but see update_positions).
   Status next(DecoderEvent& event);
 
+  /// Goes on behind the next row, which must be a region's and of which no byte may have been fed; else kState.
+  Status skip_row();
+
   /// No more bytes will come: kTruncated when layers of the table are missing, kCorrupt when bytes follow
   /// them.
   Status finish();
@@ -78,6 +81,9 @@ class StreamDecoder {
   /// Three vertex indices per face of `level`, 3 * face_count in all. Legal as level_size.
   Status read_indices(int level, std::uint32_t* indices);
 
+  /// The region of each base face. Legal as level_size; kState where there are none.
+  Status read_regions(std::uint8_t* regions);
+
   const DecoderError& error() const { return error_; }
 
  private:
@@ -91,6 +97,9 @@ class StreamDecoder {
   Status begin_stream(DecoderEvent& event);
   Status check_arrived_chunks(bool& layer_is_complete);
   Status decode_layer();
+  void end_row();
+  /// Rows that name a region hold chunks of that region alone (spec 3.3.5).
+  bool is_in_its_row(std::uint8_t type, const std::uint8_t* payload, std::size_t size) const;
   Status decode_chunk(ChunkType type, const std::uint8_t* payload, std::size_t size,
                       std::uint64_t end_offset);
   std::uint64_t level_vertex_count(int level) const;

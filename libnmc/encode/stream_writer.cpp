@@ -60,6 +60,23 @@ Status StreamWriter::add_levels(int layer, int first_level, int level_count, con
   return add_chunk(static_cast<std::uint8_t>(ChunkType::kGeometry), payload.data(), payload.size());
 }
 
+Status StreamWriter::add_region(int layer, int region, const LevelCoefficients* const* levels) {
+  Array<std::uint8_t> payload(memory_);
+  ByteWriter(payload).write_varint(static_cast<std::uint64_t>(region * header_.quality_layer_count + layer));
+  CodedMesh::RegionCoder coding(memory_);
+  NMC_TRY(mesh_.begin_region(layer, region, coding));
+  RangeEncoder coder(payload);
+  for (int i = 0; i < header_.region_level_count; ++i) {
+    std::uint64_t value_count = 0;
+    NMC_TRY(mesh_.begin_region_level(header_.region_level + i, coding, value_count));
+    NMC_TRY(mesh_.code_region_level(coder, coding, levels[i]));
+  }
+  mesh_.end_region(coding);
+  coder.finish();
+  if (coder.out_of_memory()) return no_memory();
+  return add_chunk(static_cast<std::uint8_t>(ChunkType::kRegion), payload.data(), payload.size());
+}
+
 Status StreamWriter::add_attribute(int attribute, int first_level, int level_count,
                                    const std::int32_t* const* corrections) {
   Array<std::uint8_t> payload(memory_);
@@ -94,12 +111,13 @@ Status StreamWriter::add_chunk(std::uint8_t type, const std::uint8_t* payload, s
   return writer.out_of_memory() ? no_memory() : ok_status();
 }
 
-Status StreamWriter::end_layer(int level, std::uint16_t rms_error, std::uint16_t max_error) {
+Status StreamWriter::end_layer(int level, std::uint16_t rms_error, std::uint16_t max_error, int region) {
   LayerEntry entry{};
   entry.size = chunks_.size() - layer_start_;
   entry.level = static_cast<std::uint8_t>(level);
   entry.rms_error = rms_error;
   entry.max_error = max_error;
+  entry.region = static_cast<std::uint8_t>(region + 1);
   layer_start_ = chunks_.size();
   return header_.layers.push_back(entry) ? ok_status() : no_memory();
 }
@@ -137,7 +155,8 @@ Status write_header(const Header& header, Array<std::uint8_t>& bytes) {
   for (int l = 0; l < header.level_count; ++l) has_tensions |= header.tension_code[l] != 4;
   const bool has_layers = header.quality_layer_count > 1;
   writer.write_u8(static_cast<std::uint8_t>((header.has_creases ? 1 : 0) | (header.attribute_count > 0 ? 2 : 0) |
-                                            (has_tensions ? 4 : 0) | (has_layers ? 8 : 0)));
+                                            (has_tensions ? 4 : 0) | (has_layers ? 8 : 0) |
+                                            (header.region_count > 0 ? 16 : 0)));
   writer.write_u8(static_cast<std::uint8_t>(static_cast<int>(header.units) |
                                             (static_cast<int>(header.up_axis) << 4)));
   writer.write_varint(header.step_mantissa);
@@ -152,6 +171,11 @@ Status write_header(const Header& header, Array<std::uint8_t>& bytes) {
   if (has_layers) {
     writer.write_u8(static_cast<std::uint8_t>(header.quality_layer_count));
     for (int k = 1; k < header.quality_layer_count; ++k) writer.write_u8(header.layer_ratio[k]);
+  }
+  if (header.region_count > 0) {
+    writer.write_u8(static_cast<std::uint8_t>(header.region_count));
+    writer.write_u8(static_cast<std::uint8_t>(header.region_level));
+    writer.write_u8(static_cast<std::uint8_t>(header.region_level_count));
   }
   if (header.level_count > 0) writer.write_u8(header.tangential_code);
   for (int l = 0; l < header.level_count; ++l) writer.write_u8(header.step_code[l]);
@@ -168,6 +192,7 @@ Status write_header(const Header& header, Array<std::uint8_t>& bytes) {
     writer.write_u8(entry.level);
     writer.write_u16(entry.rms_error);
     writer.write_u16(entry.max_error);
+    if (header.region_count > 0) writer.write_u8(entry.region);
   }
   if (writer.out_of_memory()) return no_memory();
 

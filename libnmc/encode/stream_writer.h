@@ -34,6 +34,9 @@ class StreamWriter {
   /// One chunk with levels [first_level, first_level + level_count) of quality layer `layer`. `levels[i]` belongs to
   /// level first_level + i.
   Status add_levels(int layer, int first_level, int level_count, const LevelCoefficients* const* levels);
+  /// One chunk with the levels of the header's regions for one of these, of quality layer `layer`. `levels[i]` are those
+  /// of the whole.
+  Status add_region(int layer, int region, const LevelCoefficients* const* levels);
   /// One chunk with levels [first_level, first_level + level_count) of an attribute, level 0 standing for the base
   /// vertices. `corrections[i]`: component_count numbers for each vertex that level first_level + i adds.
   Status add_attribute(int attribute, int first_level, int level_count, const std::int32_t* const* corrections);
@@ -41,7 +44,8 @@ class StreamWriter {
   Status add_chunk(std::uint8_t type, const std::uint8_t* payload, std::size_t size);
 
   /// Ends a row of the layer table: the state to be shown at `level`. Errors may be set later in header().layers.
-  Status end_layer(int level, std::uint16_t rms_error, std::uint16_t max_error);
+  /// `region` is that of the row's chunks, which then are of this region alone; -1: none.
+  Status end_layer(int level, std::uint16_t rms_error, std::uint16_t max_error, int region = -1);
 
   /// What a decoder of the chunks so far holds.
   CodedMesh& mesh() { return mesh_; }

@@ -119,6 +119,38 @@ TEST_CASE("nmc-decode: writes every format, and only where it may", "[cli]") {
   CHECK(piped.out.rfind("OFF", 0) == 0);
 }
 
+TEST_CASE("nmc-decode and nmc-trim: regions", "[cli]") {
+  const Scratch scratch;
+  StreamRecipe recipe;
+  recipe.base = grid(6, 5, true);
+  recipe.level_count = 3;
+  recipe.region_count = 4;
+  recipe.regions_share_rows = false;
+  recipe.seed = 2;
+  const std::string input = scratch.write("a.nmc", generate(recipe).bytes), part = scratch.file("part.nmc");
+  const std::string decode = std::string(NMC_DECODE) + " '" + input + "' ";
+  const auto mesh = [&](const std::string& command, const std::string& name) {
+    const Outcome outcome = run(scratch, command + " -o '" + scratch.file(name) + "'");
+    INFO(command << ": " << outcome.err);
+    CHECK(outcome.code == 0);
+    return contents(scratch.file(name));
+  };
+  const std::string whole = mesh(decode, "whole.ply"), all = mesh(decode + "--regions 0,1,2,3", "all.ply"),
+                    one = mesh(decode + "--regions 1", "one.ply");
+  CHECK(whole == all);
+  CHECK(one != whole);
+  CHECK(one.size() == whole.size());
+  const Outcome trimmed = run(scratch, std::string(NMC_TRIM) + " '" + input + "' -o '" + part + "' --regions 1");
+  INFO(trimmed.err);
+  CHECK(trimmed.code == 0);
+  CHECK(fs::file_size(part) < fs::file_size(input));
+  CHECK(mesh(std::string(NMC_DECODE) + " '" + part + "' ", "trimmed.ply") == one);
+  CHECK(run(scratch, decode + "--no-output --regions 4").code == 1);
+  CHECK(run(scratch, std::string(NMC_TRIM) + " '" + input + "' -f -o '" + part + "' --regions 4").code == 1);
+  CHECK(run(scratch, std::string(NMC_TRIM) + " '" + input + "' -f -o '" + part + "'").code == 1);
+  CHECK(run(scratch, std::string(NMC_INFO) + " --json '" + input + "'").out.find("\"region\":") != std::string::npos);
+}
+
 TEST_CASE("nmc-decode: level, triangles, bytes and error choose the layer", "[cli]") {
   const Scratch scratch;
   const GeneratedStream stream = example();

@@ -100,6 +100,7 @@ TEST_CASE("spec: types of chunks are those of the code", "[spec]") {
                                                  {"base correction", ChunkType::kBaseCorrection},
                                                  {"geometry", ChunkType::kGeometry},
                                                  {"attribute", ChunkType::kAttribute},
+                                                 {"region", ChunkType::kRegion},
                                                  {"metadata", ChunkType::kMetadata}};
   const std::vector<Words> rows = SpecDocument().table("### 3.2");
   CHECK(rows.size() == code.size());

@@ -51,6 +51,7 @@ struct HeaderFields {
   std::uint8_t level_count = 2;
   std::uint8_t quality_layer_count = 1;  // written when flag 8 is set
   Bytes ratios;
+  Bytes regions = {2, 1, 1};  // written when flag 16 is set
   std::uint8_t tangential_code = 64;
   Bytes step_codes = {64, 64};
   Bytes tensions;  // written when flag 4 is set
@@ -60,6 +61,7 @@ struct HeaderFields {
     std::uint64_t size = 10;
     std::uint8_t level = 0;
     std::uint16_t rms = 100, max = 100;
+    std::uint8_t region = 0;  // written when flag 16 is set
   };
   std::vector<Row> rows = {Row{}};
   std::uint64_t row_count = 1;
@@ -80,6 +82,7 @@ struct HeaderFields {
       b.push_back(quality_layer_count);
       b.insert(b.end(), ratios.begin(), ratios.end());
     }
+    if (flags & 16) b.insert(b.end(), regions.begin(), regions.end());
     if (level_count > 0) b.push_back(tangential_code);
     b.insert(b.end(), step_codes.begin(), step_codes.end());
     if (flags & 4) b.insert(b.end(), tensions.begin(), tensions.end());
@@ -90,6 +93,7 @@ struct HeaderFields {
       b.push_back(row.level);
       put_u16(b, row.rms);
       put_u16(b, row.max);
+      if (flags & 16) b.push_back(row.region);
     }
     b.insert(b.end(), extra.begin(), extra.end());
     return b;

@@ -32,7 +32,7 @@ struct GeneratedStream {
 
 inline void require(const Status& status) {
   if (!status.ok())
-    throw std::runtime_error(status.message ? status.message : "the stream could not be written");
+    throw std::runtime_error(status.message() ? status.message() : "the stream could not be written");
 }
 
 /// What a stream is to hold. The defaults are the smallest stream there is.
@@ -52,6 +52,9 @@ struct StreamRecipe {
   bool has_tensions = false;
   /// Attributes of random shape; the first is a colour of eight bits.
   int attribute_count = 0;
+  /// Regions (spec 5.4) in streams of two levels and more; some of them have no chunks.
+  int region_count = 0;
+  bool regions_share_rows = true;  // some of them
   std::uint64_t seed = 1;
 };
 
@@ -66,17 +69,18 @@ class StreamGenerator {
     write_base();
     for (int layer = 0; layer < header_.quality_layer_count; ++layer) {
       if (layer > 0) write_base_correction(layer);
-      for (int level = 0; level < header_.level_count;) {
-        int count = recipe_.one_layer_per_chunk
-                        ? 1
-                        : static_cast<int>(random_.between(1, header_.level_count - level));
+      const int shared_count = header_.region_count > 0 ? header_.region_level : header_.level_count;
+      for (int level = 0; level < shared_count;) {
+        int count =
+            recipe_.one_layer_per_chunk ? 1 : static_cast<int>(random_.between(1, shared_count - level));
         write_levels(layer, level, count);
         level += count;
         write_attributes(level);
-        if (recipe_.one_layer_per_chunk || level == header_.level_count || random_.chance(0.5)) {
+        if (recipe_.one_layer_per_chunk || level == shared_count || random_.chance(0.5)) {
           end_layer(layer == 0 ? level : header_.level_count);
         }
       }
+      if (header_.region_count > 0) write_regions(layer);
       if (header_.level_count == 0 && layer > 0) end_layer(0);
     }
     Array<std::uint8_t> bytes;
@@ -104,6 +108,11 @@ class StreamGenerator {
     header_.quality_layer_count = recipe_.quality_layer_count;
     for (int k = 1; k < header_.quality_layer_count; ++k) {
       header_.layer_ratio[k] = static_cast<std::uint8_t>(random_.between(1, 3));
+    }
+    if (recipe_.region_count > 0 && recipe_.level_count > 1) {
+      header_.region_count = static_cast<std::uint32_t>(recipe_.region_count);
+      header_.region_level = static_cast<int>(random_.between(1, header_.level_count - 1));
+      header_.region_level_count = static_cast<int>(random_.between(1, header_.level_count - header_.region_level));
     }
     for (int l = 0; l < header_.level_count; ++l) {
       header_.step_code[l] = static_cast<std::uint8_t>(random_.between(20, 90));
@@ -208,8 +217,9 @@ class StreamGenerator {
     return static_cast<std::int32_t>(random_.between(-bound, bound));
   }
 
-  /// New values for a level: in the first layer by chance, later what the earlier layer says, refined.
-  LevelCoefficients new_coefficients(int layer, int level) {
+  /// New values for a level: in the first layer by chance, later what the earlier layer says, refined. `ratio`: of
+  /// the steps of what the mesh holds to those of the layer.
+  LevelCoefficients new_coefficients(int layer, int level, std::int64_t ratio) {
     const LevelTopology& topology = writer_->mesh().topology(level);
     const LevelCoefficients& old = writer_->mesh().coefficients(level);
     LevelCoefficients values;
@@ -220,7 +230,7 @@ class StreamGenerator {
     if (!values.normal.resize(topology.edge_count)) throw std::bad_alloc();
     for (std::uint32_t e = 0; e < topology.edge_count; ++e) {
       const bool changes = random_.chance(recipe_.density);
-      const std::int64_t start = layer > 0 ? std::int64_t{old.normal[e]} * header_.layer_ratio[layer] : 0;
+      const std::int64_t start = layer > 0 ? std::int64_t{old.normal[e]} * ratio : 0;
       values.normal[e] =
           clamped(changes ? (layer > 0 && random_.chance(0.1) ? 0 : start) + coefficient() : start);
     }
@@ -228,8 +238,8 @@ class StreamGenerator {
     for (std::uint32_t e = 0; e < topology.edge_count; ++e) {
       TangentialCoefficient t{e, 0, 0};
       if (layer > 0 && position < old.tangential.size() && old.tangential[position].edge == e) {
-        t.along = clamped(std::int64_t{old.tangential[position].along} * header_.layer_ratio[layer]);
-        t.across = clamped(std::int64_t{old.tangential[position].across} * header_.layer_ratio[layer]);
+        t.along = clamped(old.tangential[position].along * ratio);
+        t.across = clamped(old.tangential[position].across * ratio);
         ++position;
       }
       if (random_.chance(recipe_.tangential_density)) t.along = coefficient();
@@ -244,11 +254,39 @@ class StreamGenerator {
     std::vector<const LevelCoefficients*> pointers;
     for (int i = 0; i < count; ++i) {
       require(writer_->mesh().ensure_topology(first_level + i, false));
-      values.push_back(new_coefficients(layer, first_level + i));
+      values.push_back(new_coefficients(layer, first_level + i, header_.layer_ratio[layer]));
     }
     for (const LevelCoefficients& v : values) pointers.push_back(&v);
     require(writer_->add_levels(layer, first_level, count, pointers.data()));
     if (recipe_.has_ancillary_chunks && random_.chance(0.5)) write_ancillary_chunk();
+  }
+
+  /// Region 0 in any case, others by chance, in an order drawn by chance; most of them in rows of their own.
+  void write_regions(int layer) {
+    std::vector<int> order;
+    for (int region = 0; region < static_cast<int>(header_.region_count); ++region) {
+      if (static_cast<int>(missing_.size()) <= region) missing_.push_back(region > 0 && random_.chance(0.2));
+      if (!missing_[static_cast<std::size_t>(region)]) order.push_back(region);
+    }
+    for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random_.below(i)]);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      std::vector<LevelCoefficients> values;
+      std::vector<const LevelCoefficients*> pointers;
+      for (int l = header_.region_level; l < header_.region_level + header_.region_level_count; ++l) {
+        require(writer_->mesh().ensure_topology(l, false));
+        // What another region of this layer has brought to its steps is not scaled again.
+        const bool is_scaled = writer_->mesh().layer_of_level(l) == layer;
+        values.push_back(new_coefficients(layer, l, is_scaled ? 1 : header_.layer_ratio[layer]));
+      }
+      for (const LevelCoefficients& v : values) pointers.push_back(&v);
+      require(writer_->add_region(layer, order[i], pointers.data()));
+      if (i + 1 == order.size()) write_attributes(header_.level_count);
+      const bool has_attributes = i + 1 == order.size() && header_.attribute_count > 0;
+      if (random_.chance(0.8) || !recipe_.regions_share_rows || i + 1 == order.size())
+        end_layer(header_.level_count, shares_row_ || has_attributes ? -1 : order[i]);
+      else
+        shares_row_ = true;
+    }
   }
 
   void write_ancillary_chunk() {
@@ -258,9 +296,10 @@ class StreamGenerator {
     require(writer_->add_chunk(type, payload.data(), payload.size()));
   }
 
-  void end_layer(int level) {
+  void end_layer(int level, int region = -1) {
+    shares_row_ = false;
     const auto error = static_cast<std::uint16_t>(1000 + 50 * result_.layers.size());
-    require(writer_->end_layer(level, static_cast<std::uint16_t>(error + 500), error));
+    require(writer_->end_layer(level, static_cast<std::uint16_t>(error + 500), error, region));
     ExpectedLayer expected;
     expected.end_offset = writer_->chunks().size();
     expected.level = level;
@@ -286,6 +325,8 @@ class StreamGenerator {
   Header header_;
   std::unique_ptr<StreamWriter> writer_;
   GeneratedStream result_;
+  std::vector<bool> missing_;  // per region
+  bool shares_row_ = false;    // a region's chunk lies in the row that is not ended yet
 };
 
 inline GeneratedStream generate(const StreamRecipe& recipe) { return StreamGenerator(recipe).generate(); }
@@ -307,6 +348,10 @@ inline StreamRecipe random_recipe(std::uint64_t seed) {
   recipe.has_ancillary_chunks = random.chance(0.3);
   recipe.one_layer_per_chunk = random.chance(0.6);
   recipe.has_tensions = random.chance(0.3);
+  if (random.chance(0.4)) {
+    const auto face_count = static_cast<std::int64_t>(recipe.base.faces.size());
+    recipe.region_count = static_cast<int>(random.between(1, face_count < 6 ? face_count : 6));
+  }
   return recipe;
 }
 

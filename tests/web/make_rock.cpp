@@ -25,7 +25,7 @@ constexpr double kRoughness = 0.24, kDecay = 0.52;
 
 void check(const Status& status) {
   if (status.ok()) return;
-  std::fprintf(stderr, "make-rock: %s\n", status.message ? status.message : "failed");
+  std::fprintf(stderr, "make-rock: %s\n", status.message() ? status.message() : "failed");
   std::exit(1);
 }
 

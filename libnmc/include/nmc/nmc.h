@@ -209,6 +209,7 @@ typedef struct nmc_info {
   nmc_up_axis up_axis;
   int has_creases;
   int has_colors;
+  uint32_t region_count;          /* parts of the surface that can be had alone; 0: it is not divided */
 } nmc_info;
 
 /* The header. Legal from NMC_EVENT_HEADER on. */
@@ -223,6 +224,7 @@ typedef struct nmc_layer {
   double rms_error;     /* root mean square distance to the mesh that was encoded, both ways */
   double max_error;     /* largest distance, both ways */
   int has_error;        /* 0: the encoder has not measured this layer, and both errors are 0 */
+  int32_t region;       /* whose bytes the row holds, 0 ... region_count - 1; -1: those of the whole surface, needed by all */
 } nmc_layer;
 
 /* Row `index` of the table. Legal from NMC_EVENT_HEADER on. */
@@ -230,6 +232,12 @@ NMC_API nmc_status nmc_decoder_layer(const nmc_decoder* decoder, uint32_t index,
 
 /* The row whose state is read: that of the last NMC_EVENT_LAYER. */
 NMC_API nmc_status nmc_decoder_current_layer(const nmc_decoder* decoder, nmc_layer* layer);
+
+/* Leaves out the next row of the table, whose bytes will not be fed: what it would have refined stays coarse, without
+ * cracks. The row must be one of a region, and none of its bytes may have been fed: feed no farther than the row before
+ * ends, and after this call go on behind the row. No event follows; the next row is the one after. NMC_ERR_STATE when
+ * that is not so. The errors of all later rows are then those of the parts that came. */
+NMC_API nmc_status nmc_decoder_skip_layer(nmc_decoder* decoder);
 
 /* What nmc_decoder_select_layer goes by. */
 typedef enum nmc_criterion {
@@ -258,6 +266,10 @@ NMC_API nmc_status nmc_decoder_mesh_size(const nmc_decoder* decoder, uint32_t le
  * levels. */
 NMC_API nmc_status nmc_decoder_read_indices(nmc_decoder* decoder, uint32_t level, uint32_t* indices,
                                             size_t index_count);
+
+/* The region of each face of level 0; a face of level l lies in that of face >> (2 l). `face_count` is
+ * nmc_info.base_face_count. NMC_ERR_STATE when there are no regions. */
+NMC_API nmc_status nmc_decoder_read_regions(nmc_decoder* decoder, uint8_t* regions, uint32_t face_count);
 
 /* Positions of all vertices of `level` in model units, in the state of the current layer. Vertex i goes to the three
  * values at byte i * stride; stride is at least their size and a multiple of that of one value. Work is proportional

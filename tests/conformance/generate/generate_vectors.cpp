@@ -242,7 +242,7 @@ void add_header_vectors(VectorWriter& writer) {
 
 /// A header for the base mesh chunk `payload`, and that chunk.
 Bytes stream_with(HeaderFields header, const std::vector<Bytes>& chunks) {
-  header.rows.assign(1, {0, 0, 1, 1});
+  header.rows.assign(1, {0, 0, 1, 1, 0});
   for (const Bytes& c : chunks) header.rows[0].size += c.size();
   Bytes bytes = header.bytes();
   for (const Bytes& c : chunks) bytes.insert(bytes.end(), c.begin(), c.end());
@@ -299,7 +299,7 @@ void add_chunk_vectors(VectorWriter& writer) {
   Bytes spelling = {1, 0x85, 0x00, 1, 2, 3, 4, 5};
   writer.add_broken("varint-superfluous-byte", "a chunk size in two bytes where one would do",
                     NMC_ERR_CORRUPT, stream_with(header, {with_checksum(spelling)}));
-  header.rows.assign(1, {3, 0, 1, 1});
+  header.rows.assign(1, {3, 0, 1, 1, 0});
   Bytes beyond = header.bytes();
   const Bytes six = chunk(1, {1, 2, 3, 4, 5, 6});
   beyond.insert(beyond.end(), six.begin(), six.end());
@@ -412,6 +412,98 @@ void add_attribute_vectors(VectorWriter& writer) {
   broken_chunk("overread", "values that need more bytes than they have", {base, chunk(4, {0, 0, 2})});
 }
 
+void add_region_vectors(VectorWriter& writer) {
+  const auto divided = [](SmallMesh base, int level_count, int region_count, std::uint64_t seed = 1) {
+    StreamRecipe recipe = recipe_of(std::move(base), level_count, seed);
+    recipe.region_count = region_count;
+    return recipe;
+  };
+  const auto add = [&](const std::string& id, const std::string& what, const StreamRecipe& recipe) {
+    writer.add_valid(id, "5.4", what, generate(recipe));
+  };
+  add("regions-one", "a single region", divided(grid(4, 3, true), 2, 1));
+  add("regions-closed", "regions of a torus", divided(grid(5, 4, true), 3, 4));
+  add("regions-boundary", "regions of a sheet", divided(grid(4, 4, false), 3, 3));
+  add("regions-each-face", "as many regions as faces", divided(tetrahedron(), 3, 4));
+  SmallMesh two = tetrahedron();
+  append_component(two, grid(3, 3, true));
+  append_component(two, fan(4, false));
+  add("regions-two-of-three-components", "a component without a seed belongs to region 0", divided(two, 2, 2));
+  StreamRecipe creases = divided(grid(4, 3, true), 3, 3);
+  creases.has_creases = true;
+  creases.tangential_density = 0.3;
+  add("regions-creases", "creases along and across borders, tangential coefficients", creases);
+  StreamRecipe layers = divided(grid(4, 3, true), 3, 4, 5);
+  layers.quality_layer_count = 3;
+  layers.tangential_density = 0.2;
+  add("regions-layers", "quality layers, regions that stay behind", layers);
+  layers.largest_coefficient = kMaximumMagnitude;
+  layers.density = 1;
+  add("regions-layers-extremes", "values held while they are brought to finer steps", layers);
+  layers.attribute_count = 1;
+  layers.largest_coefficient = 6;
+  add("regions-colours", "colours, which are not divided", layers);
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    RandomIntegers random(seed);
+    StreamRecipe recipe = divided(random_base_mesh(random, 60), 3, 5, seed);
+    add("regions-random-" + std::to_string(seed), "random bases", recipe);
+  }
+  const GeneratedStream good = generate(divided(grid(5, 4, true), 3, 4));
+  for (const std::size_t back : {std::size_t{2}, std::size_t{1}}) {
+    writer.add_prefix("regions-prefix-" + std::to_string(back), "regions that are cut off", good,
+                      static_cast<std::size_t>(good.layers[good.layers.size() - 1 - back].end_offset) + 3);
+  }
+
+  const auto broken_header = [&](const std::string& id, const std::string& what, const Bytes& regions) {
+    HeaderFields header;
+    header.flags = 16;
+    header.regions = regions;
+    writer.add_broken("regions-" + id, what, NMC_ERR_CORRUPT, header.bytes());
+  };
+  broken_header("none", "no regions", {0, 1, 1});
+  broken_header("too-many", "more regions than faces", {5, 1, 1});
+  broken_header("level-0", "regions from level 0 on", {2, 0, 1});
+  broken_header("no-levels", "regions without levels", {2, 1, 0});
+  broken_header("level-too-fine", "levels 1 and 2 of two", {2, 1, 2});
+  HeaderFields row_of_no_region;
+  row_of_no_region.flags = 16;
+  row_of_no_region.rows[0].region = 3;
+  writer.add_broken("regions-row", "a row of region 2 of two", NMC_ERR_CORRUPT, row_of_no_region.bytes());
+
+  HeaderFields header;
+  header.flags = 16;
+  const Bytes base = tetrahedron_base_chunk();
+  const Bytes shared = chunk(3, {0, 0, 1, 0, 0, 0, 0, 0, 0});
+  const auto region = [](std::uint8_t number) {
+    Bytes payload = {number};  // one quality layer
+    for (int i = 0; i < 60; ++i) payload.push_back(static_cast<std::uint8_t>(41 * i));
+    return chunk(5, payload);
+  };
+  const auto broken = [&](const std::string& id, const std::string& what, const std::vector<Bytes>& chunks) {
+    writer.add_broken("regions-" + id, what, NMC_ERR_CORRUPT, stream_with(header, chunks));
+  };
+  broken("too-short", "no byte of payload", {base, shared, chunk(5, {})});
+  broken("before-base", "a region first", {region(0), base});
+  broken("not-announced", "region 2 of two", {base, shared, region(2)});
+  broken("misspelt", "a place in more bytes than it takes", {base, shared, chunk(5, {0x80, 0x00, 1, 2, 3, 4, 5})});
+  broken("before-shared-level", "a region before the level below", {base, region(0)});
+  broken("twice", "region 0 twice", {base, shared, region(0), region(0)});
+  broken("level-for-all", "a chunk for all of a level that is divided", {base, shared, chunk(3, {0, 1, 1, 0, 0, 0})});
+  broken("overread", "a region that needs more bytes than it has", {base, shared, chunk(5, {0, 0x35})});
+  header.flags = 0;
+  broken("without-flag", "a region in a stream that has none", {base, shared, region(0)});
+  header.flags = 16;
+  header.rows.assign(2, {0, 0, 1, 1, 0});
+  header.row_count = 2;
+  const Bytes other = region(1);
+  header.rows[0].size = base.size() + shared.size();
+  header.rows[1].size = other.size();
+  header.rows[1].region = 1;
+  Bytes wrong_row = header.bytes();
+  for (const Bytes* c : {&base, &shared, &other}) wrong_row.insert(wrong_row.end(), c->begin(), c->end());
+  writer.add_broken("regions-wrong-row", "region 1 in the row of region 0", NMC_ERR_CORRUPT, wrong_row);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -426,5 +518,6 @@ int main(int argc, char** argv) {
   add_header_vectors(writer);
   add_chunk_vectors(writer);
   add_attribute_vectors(writer);
+  add_region_vectors(writer);
   return writer.finish() ? 0 : 1;
 }

@@ -166,9 +166,9 @@ TEST_CASE("base topology: refuses what is not an oriented manifold, with the rea
     INFO(c.name);
     LevelTopology topology;
     const Status status = test::build(c.mesh, topology);
-    CHECK(status.code == StatusCode::kCorrupt);
-    REQUIRE(status.message);
-    CHECK(std::string(status.message).find(c.reason) != std::string::npos);
+    CHECK(status.code() == StatusCode::kCorrupt);
+    REQUIRE(status.message());
+    CHECK(std::string(status.message()).find(c.reason) != std::string::npos);
   }
   LevelTopology topology;
   CHECK(test::build(test::fan(kMaximumValence, true), topology).ok());
@@ -194,7 +194,7 @@ TEST_CASE("base topology: a memory limit is a status at every allocation", "[sub
       if (status.ok()) status = subdivide(base, false, fine);
       if (!status.ok()) {
         ++failures;
-        CHECK(status.code == StatusCode::kNoMemory);
+        CHECK(status.code() == StatusCode::kNoMemory);
       }
     }
     CHECK(memory.used() == 0);

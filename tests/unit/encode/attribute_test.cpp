@@ -103,7 +103,7 @@ Bytes with_chunks(const ColoredStream& stream, const std::vector<Bytes>& chunks)
   REQUIRE(stream.bytes[header_size + 1] < 128);
   first_row = base_size;
   for (const Bytes& c : chunks) first_row += c.size();
-  REQUIRE(header.layers.push_back({first_row, 0, 100, 100}));
+  REQUIRE(header.layers.push_back({first_row, 0, 100, 100, 0}));
   REQUIRE(write_header(header, head).ok());
   Bytes result(head.begin(), head.end());
   const auto begin = stream.bytes.begin() + static_cast<std::ptrdiff_t>(header_size);

@@ -41,14 +41,14 @@ Coded round_trip(const SmallMesh& mesh, const std::vector<std::int32_t>& coordin
   RangeEncoder encoder(bytes);
   const Status coded =
       encoded.code_base(encoder, &lookup, lookup.seeds(), coordinates.data(), nullptr, &old_index);
-  INFO(mesh.name << ": " << (coded.message ? coded.message : ""));
+  INFO(mesh.name << ": " << (coded.message() ? coded.message() : ""));
   REQUIRE(coded.ok());
   encoder.finish();
 
   CodedMesh decoded(nullptr, &header);
   RangeDecoder decoder(bytes.data(), bytes.size());
   const Status status = decoded.code_base(decoder, nullptr, nullptr, nullptr, nullptr, nullptr);
-  INFO((status.message ? status.message : ""));
+  INFO((status.message() ? status.message() : ""));
   REQUIRE(status.ok());
   REQUIRE(decoder.check().ok());
   CHECK(decoded.state_hash() == encoded.state_hash());

@@ -75,7 +75,7 @@ TEST_CASE("range coder: reading far beyond the end is told", "[range][malformed]
   RangeDecoder decoder(bytes.data(), bytes.size() / 2);
   for (const Decision& d : decisions) decoder.code(0, d.probability);
   CHECK(decoder.overrun());
-  CHECK(decoder.check().code == StatusCode::kCorrupt);
+  CHECK(decoder.check().code() == StatusCode::kCorrupt);
   RangeDecoder empty(nullptr, 0);
   for (int i = 0; i < 1000; ++i) empty.code(0, 32768);
   CHECK(empty.overrun());
