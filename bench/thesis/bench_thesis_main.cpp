@@ -38,6 +38,9 @@ int main(int argc, char** argv) {
   app.add_option("--corpus", settings.corpus, "folder of the meshes (default: $NMC_CORPUS)");
   app.add_option("--output", settings.output, "folder for the results");
   app.add_option("--model", settings.model, "only models whose name contains this");
+  app.add_option(
+      "--semi-regular", settings.semi_regular,
+      "a mesh with subdivision connectivity, on its own base mesh: one more model for table-3-1 and levels");
   app.add_option("--coast", settings.coast, "coast line, written by bench/thesis/coast_line.py");
   CLI11_PARSE(app, argc, argv);
   if (names.empty())

@@ -13,8 +13,10 @@
 namespace nmc_bench {
 
 nmc::TriangleMesh load_mesh(const Settings& settings, const std::string& file) {
-  return nmc::condition(nmc::read_mesh(settings.corpus + "/" + file), {}).mesh;
+  return load_mesh(settings.corpus + "/" + file);
 }
+
+nmc::TriangleMesh load_mesh(const std::string& path) { return nmc::condition(nmc::read_mesh(path), {}).mesh; }
 
 const std::vector<std::string>& genus0_files() {
   static const std::vector<std::string> files{

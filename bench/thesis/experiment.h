@@ -17,6 +17,8 @@ struct Settings {
   std::string output;  // folder for tables, plots and pictures
   std::string coast;   // text file of the coast line, from coast_line.py; empty: that experiment is left out
   std::string model;   // only models whose name contains this; empty: all
+  std::string
+      semi_regular;  // a mesh with subdivision connectivity, for table-3-1 and levels beside the others
   bool wants(const std::string& name) const { return name.find(model) != std::string::npos; }
 };
 
@@ -35,6 +37,9 @@ class Stopwatch {
 
 /// A mesh of the corpus, conditioned. Throws nmc::Error where it is missing.
 nmc::TriangleMesh load_mesh(const Settings& settings, const std::string& file);
+
+/// Any mesh file, conditioned.
+nmc::TriangleMesh load_mesh(const std::string& path);
 
 /// The closed meshes of genus 0 in the corpus, of one component.
 const std::vector<std::string>& genus0_files();

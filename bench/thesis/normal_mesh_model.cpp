@@ -5,8 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "encoder/core/error.h"
 #include "encoder/fit/global_fit.h"
 #include "encoder/normal_mesh/sample_correspondences.h"
+#include "encoder/normal_mesh/semi_regular_input.h"
+#include "encoder/normal_mesh/unconstrained_vector_mesh.h"
 
 namespace nmc_bench {
 
@@ -38,6 +41,29 @@ Model on_domain(const std::string& name, TriangleMesh mesh, int base_size, int l
   model.base = base_of(*model.domain);
   model.level_count = level_count;
   return model;
+}
+
+Model on_own_base(const std::string& name, TriangleMesh mesh) {
+  const auto hierarchy = recognize_subdivision_connectivity(mesh);
+  if (!hierarchy || hierarchy->hierarchy.level_count() < 2)
+    throw Error(ExitCode::kInvalidInput, name + " is not a base mesh with all triangles split twice or more");
+  Model model;
+  model.name = name;
+  model.parameterization = "own base";
+  model.domain = std::make_shared<Parameterization>(identity_parameterization(*hierarchy, mesh));
+  model.input = std::make_shared<TriangleMesh>(std::move(mesh));
+  model.surface = std::make_unique<DomainParameterizedSurface>(*model.domain);
+  model.base = base_of(*model.domain);
+  model.level_count = hierarchy->hierarchy.level_count() - 1;
+  return model;
+}
+
+TriangleMesh plain_remesh(const Model& model, int level_count) {
+  const SubdivisionHierarchy hierarchy(model.base.faces,
+                                       static_cast<std::uint32_t>(model.base.positions.size()), level_count);
+  return mesh_of(
+      hierarchy, level_count,
+      sample_surface(*model.surface, midpoint_parameters(*model.surface, hierarchy, model.base.parameters)));
 }
 
 TriangleMesh zone_sphere(int subdivisions) {

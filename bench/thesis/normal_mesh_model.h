@@ -36,6 +36,14 @@ Model on_sphere(const std::string& name, TriangleMesh mesh, const SphereBaseOpti
 /// `mesh` on its own base domain.
 Model on_domain(const std::string& name, TriangleMesh mesh, int base_size, int level_count);
 
+/// `mesh` on the base mesh it is a subdivision of, the thesis's R^0 ... R^L, with one level less than it has.
+/// Throws nmc::Error where its connectivity is no such subdivision.
+Model on_own_base(const std::string& name, TriangleMesh mesh);
+
+/// The model's surface at the dyadic points of `level_count` levels: what a remesher that knows no normals
+/// would write.
+TriangleMesh plain_remesh(const Model& model, int level_count);
+
 /// A unit sphere with a displacement of rising frequency along the equator, fading towards the poles.
 TriangleMesh zone_sphere(int subdivisions);
 

@@ -66,9 +66,12 @@ struct CoarserMesh {
 /// Tiles one component with groups of four, starting from the guess that `middle` is the middle of one.
 class Tiler {
  public:
-  Tiler(const std::vector<Triangle>& faces, const FaceNeighbors& neighbors, std::size_t vertex_count)
+  /// `must_be_even` holds one byte per vertex, or nothing.
+  Tiler(const std::vector<Triangle>& faces, const FaceNeighbors& neighbors, std::size_t vertex_count,
+        const std::vector<std::uint8_t>& must_be_even)
       : faces_(faces),
         neighbors_(neighbors),
+        must_be_even_(must_be_even),
         group_(faces.size(), kNone),
         roles_(vertex_count, Role::kUnknown) {}
 
@@ -125,6 +128,7 @@ class Tiler {
       members[k + 1] = slot / 3;
       if (roles_[faces_[middle][k]] == Role::kEven || roles_[faces_[slot / 3][slot % 3]] == Role::kOdd)
         return false;
+      if (!must_be_even_.empty() && must_be_even_[faces_[middle][k]]) return false;
     }
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < i; ++j)
@@ -163,6 +167,7 @@ class Tiler {
 
   const std::vector<Triangle>& faces_;
   const FaceNeighbors& neighbors_;
+  const std::vector<std::uint8_t>& must_be_even_;
   std::vector<std::uint32_t> group_;  // the middle face of each face's group
   std::vector<Role> roles_;           // of the vertices
 };
@@ -182,12 +187,13 @@ bool is_consistent(const CoarserMesh& coarser, std::size_t vertex_count) {
   return neighbors.build(coarser.faces);
 }
 
-std::optional<CoarserMesh> undo_split(const std::vector<Triangle>& faces, std::size_t vertex_count) {
+std::optional<CoarserMesh> undo_split(const std::vector<Triangle>& faces, std::size_t vertex_count,
+                                      const std::vector<std::uint8_t>& must_be_even) {
   if (faces.empty() || faces.size() % 4 != 0) return std::nullopt;
   FaceNeighbors neighbors;
   if (!neighbors.build(faces)) return std::nullopt;
   CoarserMesh coarser;
-  Tiler tiler(faces, neighbors, vertex_count);
+  Tiler tiler(faces, neighbors, vertex_count, must_be_even);
   for (std::uint32_t f = 0; f < faces.size(); ++f) {
     if (tiler.is_tiled(f)) continue;
     bool tiled = tiler.tile_component(f, coarser);
@@ -201,16 +207,17 @@ std::optional<CoarserMesh> undo_split(const std::vector<Triangle>& faces, std::s
   return coarser;
 }
 
-}  // namespace
-
-std::optional<SemiRegularInput> recognize_subdivision_connectivity(const TriangleMesh& mesh,
-                                                                   int maximum_level_count) {
+/// The hierarchy that undone splits tell. `must_be_even`: vertices that no split may have inserted, or
+/// nothing.
+std::optional<SemiRegularInput> recognize(const TriangleMesh& mesh, int maximum_level_count,
+                                          const std::vector<std::uint8_t>& must_be_even) {
   for (const Triangle& t : mesh.triangles)
     for (const std::uint32_t v : t)
       if (v >= mesh.vertex_count()) return std::nullopt;
   std::vector<CoarserMesh> steps;  // finest first
   while (static_cast<int>(steps.size()) < maximum_level_count) {
-    auto coarser = undo_split(steps.empty() ? mesh.triangles : steps.back().faces, mesh.vertex_count());
+    auto coarser =
+        undo_split(steps.empty() ? mesh.triangles : steps.back().faces, mesh.vertex_count(), must_be_even);
     if (!coarser) break;
     steps.push_back(std::move(*coarser));
   }
@@ -247,6 +254,125 @@ std::optional<SemiRegularInput> recognize_subdivision_connectivity(const Triangl
   }
   if (input.input_vertex.size() != mesh.vertex_count()) return std::nullopt;  // unused vertices
   return input;
+}
+
+/// Finds the point that lies within a tolerance of another one. Cells of a grid far wider than the tolerance,
+/// so that nearly always one of them is looked into.
+class PlaceFinder {
+ public:
+  PlaceFinder(const std::vector<Vec3>& points, double tolerance)
+      : points_(points), tolerance_(tolerance), cell_(64 * tolerance) {
+    for (std::uint32_t i = 0; i < points.size(); ++i) cells_[cell_of(points[i])].push_back(i);
+  }
+  /// The nearest point within the tolerance, of equally near ones the first; kNone without one.
+  std::uint32_t find(const Vec3& p) const {
+    const Vec3 margin{tolerance_, tolerance_, tolerance_};
+    const Cell low = cell_of(p - margin), high = cell_of(p + margin);
+    std::uint32_t nearest = kNone;
+    double least = tolerance_;
+    Cell c;
+    for (c[0] = low[0]; c[0] <= high[0]; ++c[0])
+      for (c[1] = low[1]; c[1] <= high[1]; ++c[1])
+        for (c[2] = low[2]; c[2] <= high[2]; ++c[2]) {
+          const auto found = cells_.find(c);
+          if (found == cells_.end()) continue;
+          for (const std::uint32_t i : found->second) {
+            const double d = distance(points_[i], p);
+            if (d > least || (d == least && nearest < i)) continue;
+            least = d;
+            nearest = i;
+          }
+        }
+    return nearest;
+  }
+
+ private:
+  using Cell = std::array<std::int64_t, 3>;
+  Cell cell_of(const Vec3& p) const {
+    Cell c;
+    for (int k = 0; k < 3; ++k)
+      c[static_cast<std::size_t>(k)] = static_cast<std::int64_t>(std::floor(p[k] / cell_));
+    return c;
+  }
+
+  const std::vector<Vec3>& points_;
+  double tolerance_, cell_;
+  std::map<Cell, std::vector<std::uint32_t>> cells_;
+};
+
+[[noreturn]] void refuse(const std::string& reason) { throw Error(ExitCode::kInvalidInput, reason); }
+
+/// How often `base` must be split for so many triangles.
+int splits_between(std::size_t base_triangles, std::size_t triangles) {
+  int splits = 0;
+  std::size_t count = base_triangles;
+  for (; count < triangles; ++splits) count *= 4;
+  if (count != triangles || splits == 0) {
+    refuse("its " + std::to_string(triangles) + " triangles are not 4, 16, 64 ... times the " +
+           std::to_string(base_triangles) + " of the base mesh");
+  }
+  return splits;
+}
+
+/// The corners in order: whoever prepared the mesh may have turned whole components inside out.
+Triangle sorted(Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+}  // namespace
+
+std::optional<SemiRegularInput> recognize_subdivision_connectivity(const TriangleMesh& mesh,
+                                                                   int maximum_level_count) {
+  return recognize(mesh, maximum_level_count, {});
+}
+
+SemiRegularInput recognize_subdivision_of(const TriangleMesh& base, const TriangleMesh& mesh,
+                                          double tolerance, std::optional<int> level_count) {
+  if (base.triangles.empty()) refuse("the base mesh has no triangles");
+  const int splits = splits_between(base.triangle_count(), mesh.triangle_count());
+  if (level_count && *level_count != splits) {
+    refuse("its " + std::to_string(mesh.triangle_count()) + " triangles are those of the base mesh after " +
+           std::to_string(splits) + " splits, not " + std::to_string(*level_count));
+  }
+  if (!std::all_of(base.positions.begin(), base.positions.end(), [](const Vec3& p) { return is_finite(p); }))
+    refuse("a vertex of the base mesh is not finite");
+  // A place stands for all vertices of the base that lie there: the number of the first of them.
+  const PlaceFinder places(base.positions, tolerance);
+  std::vector<std::uint32_t> place_of(mesh.vertex_count());
+  std::vector<std::uint8_t> is_of_base(mesh.vertex_count(), 0), is_found(base.vertex_count(), 0);
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
+    place_of[v] = places.find(mesh.positions[v]);
+    if (place_of[v] == kNone) continue;
+    is_of_base[v] = 1;
+    is_found[place_of[v]] = 1;
+  }
+  std::map<Triangle, int> triangles;  // of the base by places; how many of each
+  for (const Triangle& t : base.triangles) {
+    Triangle named;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (t[k] >= base.vertex_count())
+        refuse("a triangle of the base mesh names a vertex that does not exist");
+      named[k] = places.find(base.positions[t[k]]);
+      if (!is_found[named[k]]) {
+        refuse("vertex " + std::to_string(t[k]) + " of the base mesh (from 0) is no vertex of the input");
+      }
+    }
+    ++triangles[sorted(named)];
+  }
+  std::optional<SemiRegularInput> input = recognize(mesh, splits, is_of_base);
+  if (!input || input->hierarchy.level_count() < splits) {
+    refuse("its connectivity is not that of the base mesh after " + std::to_string(splits) +
+           " splits; only " + std::to_string(input ? input->hierarchy.level_count() : 0) + " can be undone");
+  }
+  for (const Triangle& t : input->base_faces) {
+    Triangle named;
+    for (std::size_t k = 0; k < 3; ++k) named[k] = place_of[input->input_vertex[t[k]]];
+    const auto found = triangles.find(sorted(named));
+    if (found == triangles.end() || found->second-- == 0)
+      refuse("undoing its splits ends with triangles that the base mesh does not have");
+  }
+  return std::move(*input);
 }
 
 Parameterization identity_parameterization(const SemiRegularInput& input, const TriangleMesh& mesh) {

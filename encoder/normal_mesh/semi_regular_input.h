@@ -31,6 +31,14 @@ struct SemiRegularInput {
 std::optional<SemiRegularInput> recognize_subdivision_connectivity(const TriangleMesh& mesh,
                                                                    int maximum_level_count = 16);
 
+/// The same where the base mesh is known: `mesh` is `base` after `level_count` 1-to-4 splits, or after as
+/// many as its triangles say. Vertices of the base keep their places up to `tolerance` (a length above 0);
+/// vertices, triangles and corners may be in any order, and components turned inside out. Of several tilings,
+/// as on a regular grid around a torus, the one that has the vertices of the base on level 0 is taken. Throws
+/// Error (kInvalidInput) that says what of `mesh` does not fit. O(n log n).
+SemiRegularInput recognize_subdivision_of(const TriangleMesh& base, const TriangleMesh& mesh,
+                                          double tolerance, std::optional<int> level_count = {});
+
 /// The finest mesh as a piecewise linear map from its own base mesh: every vertex at its dyadic point.
 /// Vertices and triangles are renumbered to the hierarchy's order.
 Parameterization identity_parameterization(const SemiRegularInput& input, const TriangleMesh& mesh);

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "encoder/core/error.h"
@@ -16,6 +17,7 @@
 #include "encoder/domain/relaxation.h"
 #include "encoder/domain/simplify.h"
 #include "encoder/measure/compare_meshes.h"
+#include "encoder/normal_mesh/semi_regular_input.h"
 #include "encoder/pipeline/target_search.h"
 #include "encoder/sphere/sphere_base.h"
 #include "encoder/sphere/sphere_parameterization.h"
@@ -62,6 +64,7 @@ SearchPlan plan_of(int effort) {
 }
 
 constexpr std::size_t kLargestBase = 60000;
+constexpr int kMostSplits = 8;  // that are undone of an input: the levels of a stream
 
 /// Of a size that geometry and colours share. Colours that need less leave the rest unused.
 constexpr double kGeometryShare = 0.5;
@@ -114,12 +117,24 @@ class MeshEncoder {
     prepare();
     if (options_.domain == DomainChoice::kSphere) {
       choose_on_sphere();
+    } else if (options_.domain == DomainChoice::kInput) {
+      choose_on_input(input_hierarchy());
     } else {
       choose();
       if (options_.domain == DomainChoice::kAuto && best_.met && has_sphere()) {
         Outcome general = std::move(best_);
         choose_on_sphere();
         if (!better(best_, general)) best_ = std::move(general);
+      }
+      if (options_.domain == DomainChoice::kAuto) {
+        const int most = options_.level_count.value_or(kMostSplits);
+        auto own = recognize_subdivision_connectivity(surface_, most);
+        if (own && own->base_vertex_count <= kLargestBase) {
+          Outcome other = std::exchange(best_, {});
+          noise_ = {};
+          choose_on_input(std::move(*own));
+          if (!better(best_, other)) best_ = std::move(other);
+        }
       }
     }
     finish();
@@ -135,6 +150,7 @@ class MeshEncoder {
     Trial trial;
     bool was_tried = false;  // else out of reach, and no trial was made
     bool met = false;
+    DomainChoice domain = DomainChoice::kGeneral;
     bool is_simplified = false;  // on a base that simplification alone has made
     /// What the target would take at least on this candidate, as its trials foretell: where it is out of reach the last
     /// of them are spent in vain.
@@ -151,6 +167,7 @@ class MeshEncoder {
       conditions.small_hole_length_fraction =
           std::min(conditions.small_hole_length_fraction, 3 * options_.target.value / box_diagonal);
     }
+    if (options_.domain == DomainChoice::kInput) conditions.small_hole_edges = 0;  // a fill is no split triangle
     ConditionedMesh conditioned = condition(input_, conditions);
     result_.condition = conditioned.report;
     surface_ = std::move(conditioned.mesh);
@@ -170,6 +187,7 @@ class MeshEncoder {
     description_.up_axis = options_.up_axis;
     description_.region_count = options_.region_count;
 
+    if (options_.domain == DomainChoice::kInput) return;
     clock_.start("collapse");
     report(options_.progress, "base mesh", 0);
     // The largest base is the surface itself: with it every error can be reached.
@@ -306,6 +324,7 @@ class MeshEncoder {
 
   Outcome evaluate_on_sphere(SphereBaseKind kind, int adaptive_size) {
     Outcome outcome;
+    outcome.domain = DomainChoice::kSphere;
     const SphereParameterizedSurface& surface = sphere();
     SphereBaseOptions base_options;
     base_options.kind = kind;
@@ -317,6 +336,88 @@ class MeshEncoder {
     outcome.candidate = std::make_unique<Candidate>(surface, base, reference_, candidate, options_.progress);
     search(candidate.coded_level_count, outcome);
     return outcome;
+  }
+
+  /// The input as levels over a base mesh of its own. Throws Error (kInvalidInput) where it is none.
+  SemiRegularInput input_hierarchy() const {
+    // Positions in files are rounded; two vertices of a base mesh are never so near.
+    constexpr double kRounding = 1e-5;
+    if (options_.base_mesh) {
+      TriangleMesh base = *options_.base_mesh;
+      for (Vec3& p : base.positions) p -= reference_.center;
+      // Whatever its size: it was asked for.
+      return recognize_subdivision_of(base, surface_, kRounding * result_.diagonal, options_.level_count);
+    }
+    auto own = recognize_subdivision_connectivity(surface_, options_.level_count.value_or(kMostSplits));
+    const int found = own ? own->hierarchy.level_count() : 0, asked = options_.level_count.value_or(1);
+    std::string reason;
+    if (found < asked) {
+      reason = "its triangles are not those of a coarser mesh, each split in four";
+      if (asked > 1) reason += " " + std::to_string(asked) + " times; " + std::to_string(found) + " can be undone";
+    } else if (own->base_vertex_count > kLargestBase) {
+      reason = "the coarsest has " + std::to_string(own->base_vertex_count) + " vertices, more than " +
+               std::to_string(kLargestBase);
+    }
+    if (reason.empty()) return std::move(*own);
+    const std::string repairs = result_.condition.needed_repair() ? " (after repairs; -v lists them)" : "";
+    throw Error(ExitCode::kInvalidInput, "the input has no base mesh of its own: " + reason + repairs);
+  }
+
+  /// Levels over the base mesh that `own` begins with, or over one of its finer levels, where that takes fewer bytes.
+  void choose_on_input(SemiRegularInput own) {
+    const int split_count = own.hierarchy.level_count();
+    const double wanted = options_.base_vertex_count.value_or(0);
+    int first = 0;  // the level that serves as base mesh
+    std::vector<double> sizes;
+    for (int level = 0; level < split_count; ++level)
+      sizes.push_back(static_cast<double>(own.hierarchy.level(level).vertex_count));
+    const auto size_of = [&](int level) { return sizes[static_cast<std::size_t>(level)]; };
+    while (wanted > 0 && first + 1 < split_count &&
+           std::abs(std::log(size_of(first + 1) / wanted)) < std::abs(std::log(size_of(first) / wanted)))
+      ++first;
+    std::vector<double> tensions = {1};
+    if (sharp_edge_share(surface_) > 0.025) tensions.push_back(0);
+    const bool is_chosen = options_.base_vertex_count || options_.level_count || options_.base_mesh;
+    for (int level = first; level < split_count && (options_.base_mesh || size_of(level) <= kLargestBase); ++level) {
+      bool is_best = false;
+      if (level > 0) own = std::move(*recognize_subdivision_connectivity(surface_, split_count - level));
+      for (const double tension : tensions) {
+        tension_ = tension;
+        is_best = evaluate_on_input(own) || is_best;
+      }
+      if (is_chosen || (best_.met && !is_best)) break;
+    }
+  }
+
+  /// Levels over own's base mesh until they reach the target, its own ones at most. True where that became the best.
+  bool evaluate_on_input(const SemiRegularInput& own) {
+    clock_.start("parameterize");
+    const auto parameterization = std::make_shared<const Parameterization>(identity_parameterization(own, surface_));
+    const int most = own.hierarchy.level_count();
+    CandidateOptions candidate;
+    candidate.tension = tension_;
+    finer_ = 1;
+    step_guess_ = 0;
+    candidate.coded_level_count = std::min(level_count_for(static_cast<int>(own.base_vertex_count)), most);
+    bool is_best = false;
+    for (;; ++candidate.coded_level_count) {
+      Outcome outcome;
+      outcome.domain = DomainChoice::kInput;
+      outcome.parameterization = parameterization;
+      clock_.start("normal mesh and fit");
+      outcome.candidate = std::make_unique<Candidate>(parameterization, reference_, candidate, options_.progress);
+      const bool is_last = options_.level_count || candidate.coded_level_count >= most;
+      const bool too_coarse = options_.target.kind == TargetKind::kRmsError &&
+                              outcome.candidate->statistics().fit.final_rms > kLargestFloor * options_.target.value;
+      if (too_coarse && !is_last) continue;
+      search(candidate.coded_level_count, outcome);
+      const bool met = outcome.met;
+      if (!best_.candidate || better(outcome, best_)) {
+        best_ = std::move(outcome);
+        is_best = true;
+      }
+      if (met || is_last) return is_best;
+    }
   }
 
   /// Steps that reach the target on the outcome's candidate.
@@ -618,6 +719,7 @@ class MeshEncoder {
     result_.stream = best_.candidate->finish(best_.trial, description_, colors ? &colors->stream : nullptr);
     result_.error = result_.stream.rows.back().error;
     result_.candidate = best_.candidate->statistics();
+    result_.domain = best_.domain;
     result_.level_count = best_.candidate->coded_level_count();
     Trial final_trial = best_.trial;
     final_trial.error = result_.error;

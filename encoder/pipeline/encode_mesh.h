@@ -28,6 +28,7 @@ struct EncodeResult {
   bool target_met = false;
   double diagonal = 0;
   ConditionReport condition;
+  DomainChoice domain = DomainChoice::kGeneral;  // of the stream; never kAuto
   CandidateStatistics candidate;
   std::size_t folded_triangle_count = 0;  // of the map
   int level_count = 0;             // coded levels

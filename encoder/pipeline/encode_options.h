@@ -4,10 +4,12 @@
 #define NMC_ENCODER_PIPELINE_ENCODE_OPTIONS_H_
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "encoder/condition/condition.h"
 #include "encoder/core/progress.h"
+#include "encoder/core/triangle_mesh.h"
 #include "libnmc/common/format.h"
 
 namespace nmc {
@@ -28,7 +30,8 @@ struct Target {
 enum class DomainChoice {
   kGeneral,  // a base mesh of the surface's own topology
   kSphere,   // closed surfaces of genus 0 only: the thesis's sphere, with an icosahedron or a mesh as the base
-  kAuto,     // general, and the sphere where it exists and takes fewer bytes
+  kInput,    // the input's own base mesh, where it is one with all triangles split 4, 16, 64 ... times
+  kAuto,     // general, and the sphere and the input's own base mesh where they exist and take fewer bytes
 };
 
 struct EncodeOptions {
@@ -37,6 +40,9 @@ struct EncodeOptions {
   std::optional<int> base_vertex_count; // default: chosen by cost
   std::optional<int> level_count;       // default: chosen by cost
   DomainChoice domain = DomainChoice::kGeneral;
+  /// With kInput: the base mesh, in the input's coordinates; the input is this with all triangles split level_count
+  /// times, or as often as its triangles say. Nothing: found from the input's connectivity.
+  std::shared_ptr<const TriangleMesh> base_mesh;
   int quality_layer_count = 1;          // 1: smallest file; more: better prefixes
   int region_count = 0;                 // parts that can be fetched and refined alone; 0: none
   double crease_angle_degrees = 0;      // 0: no creases

@@ -24,6 +24,20 @@ const char* target_name(TargetKind kind) {
   return "";
 }
 
+const char* domain_name(DomainChoice domain) {
+  switch (domain) {
+    case DomainChoice::kGeneral:
+      return "general";
+    case DomainChoice::kSphere:
+      return "sphere";
+    case DomainChoice::kInput:
+      return "input";
+    case DomainChoice::kAuto:
+      return "auto";
+  }
+  return "";
+}
+
 }  // namespace
 
 std::uint64_t peak_memory_bytes() {
@@ -53,6 +67,7 @@ std::string report_json(const EncodeResult& result, const ReportContext& context
   j["condition"] = json::parse(to_json(result.condition));
   j["components"] = result.condition.components.size();
   j["genus"] = result.condition.total_genus();
+  j["domain"] = domain_name(result.domain);
   j["base"] = {{"vertices", result.candidate.base_vertex_count},
                {"triangles", result.candidate.base_face_count},
                {"bytes", result.stream.base_size}};

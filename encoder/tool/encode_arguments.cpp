@@ -50,10 +50,13 @@ void declare_options(CLI::App& app, EncodeArguments& arguments) {
   app.add_option("--base", arguments.base, "vertices of the base mesh (default: chosen by cost)")
       ->check(CLI::Range(3, 1000000));
   app.add_option("--domain", arguments.domain,
-                 "general: a base mesh of any topology; sphere: for closed shapes without handles; auto: the "
-                 "better one")
-      ->check(CLI::IsMember({"general", "sphere", "auto"}))
+                 "general: a base mesh of any topology; sphere: for closed shapes without handles;\n"
+                 "input: for remeshes with subdivision connectivity, on their own base mesh; auto: the best of them")
+      ->check(CLI::IsMember({"general", "sphere", "input", "auto"}))
       ->capture_default_str();
+  app.add_option("--base-mesh", arguments.base_mesh,
+                 "with --domain input: the base mesh of INPUT as a file; INPUT is it with all triangles split in\n"
+                 "four, --levels times (default: as often as its triangles say)");
   app.add_option("--levels", arguments.levels, "subdivision levels (default: chosen by cost)")
       ->check(CLI::Range(1, 10));
   app.add_option(
@@ -109,9 +112,14 @@ EncodeOptions options_of(const EncodeArguments& arguments) {
   options.effort = arguments.effort;
   options.base_vertex_count = arguments.base;
   options.level_count = arguments.levels;
-  options.domain = arguments.domain == "sphere" ? DomainChoice::kSphere
-                   : arguments.domain == "auto" ? DomainChoice::kAuto
-                                                : DomainChoice::kGeneral;
+  options.domain = arguments.domain == "sphere"  ? DomainChoice::kSphere
+                   : arguments.domain == "input" ? DomainChoice::kInput
+                   : arguments.domain == "auto"  ? DomainChoice::kAuto
+                                                 : DomainChoice::kGeneral;
+  if (!arguments.base_mesh.empty() && options.domain != DomainChoice::kInput)
+    throw Error(ExitCode::kUsage, "--base-mesh goes with --domain input");
+  if (!arguments.base_mesh.empty() && arguments.base)
+    throw Error(ExitCode::kUsage, "--base-mesh and --base exclude each other");
   options.quality_layer_count = arguments.layers;
   options.region_count = arguments.regions;
   options.crease_angle_degrees = arguments.crease;

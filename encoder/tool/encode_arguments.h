@@ -21,7 +21,7 @@ struct EncodeArguments {
   std::optional<double> bits_per_vertex, quality;
   int effort = 5;
   std::optional<int> base, levels;
-  std::string domain = "general", colour = "auto";
+  std::string domain = "general", base_mesh, colour = "auto";
   int layers = 1, regions = 0;
   double crease = 0;
   std::string repair = "auto", units, up, report, vertex_map, glb, progress = "auto", memory_limit;
@@ -34,7 +34,7 @@ struct EncodeArguments {
 /// Declares all options on `app`; parsing then fills `arguments`, which must outlive the app.
 void declare_options(CLI::App& app, EncodeArguments& arguments);
 
-/// Everything of EncodeOptions but the target and the progress. Throws Error(kUsage).
+/// Everything of EncodeOptions but the target, the progress and the base mesh. Throws Error(kUsage).
 EncodeOptions options_of(const EncodeArguments& arguments);
 
 /// The target for an input of this diagonal and vertex count. Throws Error(kUsage).

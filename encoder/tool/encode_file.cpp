@@ -7,6 +7,7 @@
 
 #include <cinttypes>
 #include <filesystem>
+#include <memory>
 #include <span>
 
 #include "decoder/write/output_file.h"
@@ -115,6 +116,8 @@ ExitCode encode_file(const EncodeArguments& arguments, const std::string& input_
   const double box_diagonal = measurable_box(input).diagonal();
   const double diagonal = box_diagonal > 0 ? box_diagonal : 1;
   options.target = target_of(arguments, options.units, diagonal, input.vertex_count());
+  if (!arguments.base_mesh.empty())
+    options.base_mesh = std::make_shared<const TriangleMesh>(read_mesh(arguments.base_mesh, {}));
 
   const EncodeResult result = encode_named(input, options, input_name);
 

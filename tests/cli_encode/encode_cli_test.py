@@ -4,6 +4,7 @@ import json
 import math
 import os
 import pathlib
+import random
 import subprocess
 import tempfile
 import unittest
@@ -77,6 +78,68 @@ def bumpy_sphere(rings=40, sides=60):
     return vertices, faces
 
 
+def split(shape, times):
+    """All triangles in four, `times` times; the base's vertices stay first."""
+    vertices, faces = list(shape[0]), shape[1]
+    for _ in range(times):
+        middles, finer = {}, []
+
+        def middle(a, b):
+            edge = (min(a, b), max(a, b))
+            if edge not in middles:
+                middles[edge] = len(vertices)
+                vertices.append(tuple((p + q) / 2 for p, q in zip(vertices[a], vertices[b])))
+            return middles[edge]
+
+        for a, b, c in faces:
+            x, y, z = middle(b, c), middle(c, a), middle(a, b)
+            finer += [(a, z, y), (z, b, x), (y, x, c), (x, y, z)]
+        faces = finer
+    return vertices, faces
+
+
+def remesh(times=4):
+    """A bumpy torus over 60 triangles with subdivision connectivity, with noise, in any order; and the base mesh."""
+    rings, sides = 6, 5
+    coarse = [(i / rings, j / sides, 0.0) for i in range(rings + 1) for j in range(sides + 1)]
+    faces = []
+    for i in range(rings):
+        for j in range(sides):
+            a, b = i * (sides + 1) + j, (i + 1) * (sides + 1) + j
+            faces += [(a, b, b + 1), (a, b + 1, a + 1)]
+    parameters, faces = split((coarse, faces), times)
+    unit = 2 ** times
+    number, vertices = {}, []
+    noise = random.Random(3)
+
+    def vertex(v):  # both seams closed
+        i, j = round(parameters[v][0] * rings * unit) % (rings * unit), round(parameters[v][1] * sides * unit) % (sides * unit)
+        if (i, j) not in number:
+            number[i, j] = len(vertices)
+            a, b = 2 * math.pi * i / (rings * unit), 2 * math.pi * j / (sides * unit)
+            r = 0.4 + 0.04 * math.sin(5 * a) * math.cos(3 * b) + noise.gauss(0, 3e-4)
+            vertices.append(((1 + r * math.cos(b)) * math.cos(a), (1 + r * math.cos(b)) * math.sin(a), r * math.sin(b)))
+        return number[i, j]
+
+    faces = [tuple(vertex(v) for v in face) for face in faces]
+    base_number = {key: k for k, key in enumerate(sorted(k for k in number if k[0] % unit == k[1] % unit == 0))}
+    base = [vertices[number[key]] for key in base_number]
+    base_faces = []
+    for i in range(rings):
+        for j in range(sides):
+            a, b, c, d = (base_number[k % rings * unit, l % sides * unit]
+                          for k, l in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)))
+            base_faces += [(c, a, b), (a, c, d)]
+    order = list(range(len(vertices)))
+    noise.shuffle(order)
+    shuffled = [None] * len(vertices)
+    for v, place in enumerate(order):
+        shuffled[place] = vertices[v]
+    faces = [tuple(order[v] for v in face) for face in faces]
+    noise.shuffle(faces)
+    return (shuffled, faces), (base, base_faces)
+
+
 class Encoding(unittest.TestCase):
     def setUp(self):
         self._folder = tempfile.TemporaryDirectory()
@@ -135,6 +198,61 @@ class Encoding(unittest.TestCase):
         self.assertIn(b"genus", done.stderr)
         stream, _ = self.encode(mesh, "--domain", "auto", "--rms-error", "0.1%", "-e", "1")
         self.assertLessEqual(self.decode_and_compare(mesh, stream)["relativeRms"], 0.001)
+
+    def test_a_remesh_is_coded_on_its_own_base_mesh(self):
+        shape, base = remesh()
+        mesh, base_mesh = self.obj(shape), self.obj(base, "base.obj")
+        for options, size in (([], None), (["--levels", "2"], 480), (["--base", "100"], 120),
+                              (["--base-mesh", base_mesh], 30), (["--base-mesh", base_mesh, "--levels", "4"], 30)):
+            with self.subTest(options=options):
+                stream, report = self.encode(mesh, "--domain", "input", "--rms-error", "0.05%", "-e", "1", *options)
+                self.assertEqual(report["domain"], "input")
+                self.assertEqual(report["flippedTriangles"], 0)
+                if size:
+                    self.assertEqual(report["base"]["vertices"], size)
+                self.assertLessEqual(self.decode_and_compare(mesh, stream)["relativeRms"], 0.0005)
+        stream, _ = self.encode(mesh, "--domain", "input", "--max-error", "0.3%", "-e", "1")
+        self.assertLessEqual(self.decode_and_compare(mesh, stream)["relativeMax"], 0.003)
+
+    def test_an_open_remesh_keeps_its_boundary(self):
+        vertices, faces = split(wavy_sheet(3), 4)
+        vertices = [(x, y, 0.1 * math.sin(6 * x) * math.cos(5 * y)) for x, y, _ in vertices]
+        mesh = self.obj((vertices, faces))
+        stream, report = self.encode(mesh, "--domain", "input", "--rms-error", "0.05%", "-e", "1")
+        self.assertLess(report["base"]["vertices"], 17)
+        self.assertLessEqual(self.decode_and_compare(mesh, stream)["relativeRms"], 0.0005)
+
+    def test_auto_takes_the_input_s_own_base_mesh_where_it_is_better_only(self):
+        shape, _ = remesh()
+        mesh = self.obj(shape)
+        sizes = {}
+        for domain in ("general", "input", "auto"):
+            stream, report = self.encode(mesh, "--domain", domain, "--rms-error", "0.02%", "-e", "2")
+            self.assertTrue(report["target"]["met"])
+            sizes[domain] = report["bytes"]
+        self.assertEqual(sizes["auto"], min(sizes["general"], sizes["input"]))
+        self.assertEqual(report["domain"], min(("general", "input"), key=sizes.get))
+        self.assertLessEqual(self.decode_and_compare(mesh, stream)["relativeRms"], 0.0002)
+
+    def test_a_mesh_without_a_base_mesh_of_its_own_is_refused_with_the_reason(self):
+        shape, base = remesh(2)
+        remeshed, base_mesh = self.obj(shape), self.obj(base, "base.obj")
+        scan, other = self.obj(bumpy_sphere(), "scan.obj"), self.obj(bumpy_torus(6, 5), "other.obj")
+        for mesh, options, code, reason in (
+                (scan, [], 3, b"no base mesh of its own"),
+                (remeshed, ["--levels", "9"], 3, b"9 times"),
+                (scan, ["--base-mesh", base_mesh], 3, b"triangles are not"),
+                (remeshed, ["--base-mesh", other], 3, b"is no vertex of the input"),
+                (remeshed, ["--base-mesh", base_mesh, "--levels", "3"], 3, b"after 2 splits, not 3"),
+                (remeshed, ["--base-mesh", self.folder / "missing.obj"], 2, b"missing.obj"),
+                (remeshed, ["--base-mesh", base_mesh, "--base", "30"], 1, b"exclude"),
+                (remeshed, ["--base-mesh", base_mesh, "--domain", "auto"], 1, b"--domain input")):
+            with self.subTest(options=options):
+                domain = [] if "--domain" in options else ["--domain", "input"]
+                done = run(ENCODE, mesh, "-o", self.folder / "no.nmc", *domain, *options)
+                self.assertEqual(done.returncode, code, done.stderr.decode())
+                self.assertIn(reason, done.stderr)
+                self.assertFalse((self.folder / "no.nmc").exists())
 
     def test_max_target_holds_on_the_decoded_mesh(self):
         mesh = self.obj(bumpy_torus())
