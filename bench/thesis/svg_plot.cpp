@@ -43,6 +43,14 @@ class Axis {
       const int step = std::max(1, static_cast<int>(std::ceil((high_ - low_) / 8)));
       for (int e = static_cast<int>(std::ceil(low_ - 1e-9)); e <= high_ + 1e-9; e += step)
         ticks.push_back(std::pow(10.0, e));
+      if (is_narrow()) {
+        ticks.clear();
+        for (int e = static_cast<int>(std::floor(low_)); e <= high_; ++e)
+          for (const double digit : {1.0, 2.0, 5.0}) {
+            const double tick = digit * std::pow(10.0, e);
+            if (value(tick) >= low_ - 1e-9 && value(tick) <= high_ + 1e-9) ticks.push_back(tick);
+          }
+      }
       return ticks;
     }
     const double raw = (high_ - low_) / 5;
@@ -56,10 +64,12 @@ class Axis {
     return ticks;
   }
   std::string label(double tick) const {
-    return is_log_ ? fmt::format("1e{:.0f}", std::log10(tick)) : fmt::format("{:g}", tick);
+    return is_log_ && !is_narrow() ? fmt::format("1e{:.0f}", std::log10(tick)) : fmt::format("{:g}", tick);
   }
 
  private:
+  /// Too few powers of ten to read anything from.
+  bool is_narrow() const { return is_log_ && high_ - low_ < 2.6; }
   double value(double x) const { return is_log_ ? std::log10(x) : x; }
   bool is_log_;
   double from_, to_, low_, high_;
@@ -71,8 +81,9 @@ std::string escape(const std::string& text) {
   return result;
 }
 
+constexpr double kWidth = 420, kHeight = 320, kMarginLeft = 64, kMarginTop = 30, kMarginBottom = 46;
+
 std::string draw_plot(const Plot& plot, double left) {
-  constexpr double kWidth = 420, kHeight = 320, kMarginLeft = 64, kMarginTop = 30, kMarginBottom = 46;
   double low_x = std::numeric_limits<double>::infinity(), high_x = -low_x, low_y = low_x, high_y = -low_x;
   const auto shown = [&](const std::pair<double, double>& p) {
     return std::isfinite(p.first) && std::isfinite(p.second) && (!plot.log_x || p.first > 0) &&
@@ -126,26 +137,56 @@ std::string draw_plot(const Plot& plot, double left) {
       for (const auto& p : s.points)
         if (shown(p))
           add("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>", x.pixel(p.first),
-              y.pixel(p.second), s.dots_only ? 1.3 : 2.6, color);
-    const double legend_y = y1 + 14 + 15 * static_cast<double>(i);
-    add("<path d=\"M{0:.1f} {1:.1f}h16\" stroke=\"{2}\" stroke-width=\"3\"/><text x=\"{3:.1f}\" "
-        "y=\"{4:.1f}\" "
-        "text-anchor=\"end\">{5}</text>",
-        x1 - 22, legend_y - 4, color, x1 - 27, legend_y, escape(s.name));
+              y.pixel(p.second), s.dots_only && count > 60 ? 1.3 : 2.6, color);
   }
   return body;
+}
+
+/// Beside the plot: inside it would lie on the lines of one figure or another.
+std::string draw_legend(const Plot& plot, double left) {
+  std::string body;
+  for (std::size_t i = 0; i < plot.series.size(); ++i) {
+    const double y = kMarginTop + 14 + 16 * static_cast<double>(i);
+    body += fmt::format(
+        "<path d=\"M{:.1f} {:.1f}h16\" stroke=\"{}\" stroke-width=\"3\"/><text x=\"{:.1f}\" "
+        "y=\"{:.1f}\">{}</text>\n",
+        left, y - 4, kColors[i % std::size(kColors)], left + 21, y, escape(plot.series[i].name));
+  }
+  return body;
+}
+
+double legend_width(const Plot& plot) {
+  std::size_t longest = 0;
+  for (const PlotSeries& s : plot.series) longest = std::max(longest, s.name.size());
+  return 34 + 7.2 * static_cast<double>(longest);
+}
+
+bool same_series(const Plot& a, const Plot& b) {
+  return std::equal(a.series.begin(), a.series.end(), b.series.begin(), b.series.end(),
+                    [](const PlotSeries& s, const PlotSeries& t) { return s.name == t.name; });
 }
 
 }  // namespace
 
 void write_plots(const std::string& path, const std::vector<Plot>& plots) {
+  constexpr std::size_t kColumns = 2;
   std::string body;
-  double left = 0;
-  for (const Plot& plot : plots) {
-    body += draw_plot(plot, left);
-    left += 430;
+  double left = 0, top = 0, width = 0;
+  for (std::size_t i = 0; i < plots.size(); ++i) {
+    body += fmt::format("<g transform=\"translate(0,{:.0f})\">\n", top) + draw_plot(plots[i], left);
+    left += kWidth + 10;
+    const bool ends_row = i % kColumns == kColumns - 1 || i + 1 == plots.size();
+    if (ends_row || !same_series(plots[i], plots[i + 1])) {
+      body += draw_legend(plots[i], left - 14);
+      left += legend_width(plots[i]);
+    }
+    body += "</g>\n";
+    width = std::max(width, left);
+    if (!ends_row) continue;
+    left = 0;
+    top += kHeight + 10;
   }
-  save(path, body, left, 330);
+  save(path, body, width, top);
 }
 
 void write_drawings(const std::string& path, const std::vector<Drawing>& drawings, int columns,

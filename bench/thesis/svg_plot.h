@@ -23,8 +23,8 @@ struct Plot {
   std::vector<PlotSeries> series;
 };
 
-/// Plots side by side, each with its own axes; one legend per plot. Points that a logarithmic axis cannot
-/// show are left out.
+/// Plots in rows of two, each with its own axes; one legend for neighbours with the same series. Points that
+/// a logarithmic axis cannot show are left out.
 void write_plots(const std::string& path, const std::vector<Plot>& plots);
 
 struct DrawnLine {
