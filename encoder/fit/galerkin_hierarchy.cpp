@@ -69,26 +69,31 @@ GalerkinMatrix coarsen(const LevelStencils& stencils, std::size_t coarse_count, 
   for (std::size_t first = 0; first < coarse_count; first += kBlock) {
     const std::size_t count = std::min(kBlock, coarse_count - first);
     parallel_for(count, [&](std::size_t i) {
-      thread_local RowAccumulator accumulator;
+      thread_local RowAccumulator fine_row, accumulator;
       const std::size_t row = first + i;
+      // First the row of P^T A: many of its products meet in the same column, and only their sums go through P.
+      fine_row.begin(fine.row_begin.size() - 1);
+      const auto add_row_of = [&](std::size_t fine_vertex, float weight) {
+        for (std::size_t k = fine.row_begin[fine_vertex]; k < fine.row_begin[fine_vertex + 1]; ++k)
+          fine_row.add(fine.column[k], weight, fine.block[k]);
+      };
+      add_row_of(row, 1);
+      for (std::uint32_t s = stencils.column_begin[row]; s < stencils.column_begin[row + 1]; ++s)
+        add_row_of(coarse_count + stencils.columns[s].index, stencils.columns[s].weight);
+      fine_row.end();
       accumulator.begin(coarse_count);
       // The diagonal takes the first slot.
       accumulator.add(static_cast<std::uint32_t>(row), 0, {});
-      const auto add_fine_row = [&](std::size_t fine_row, float weight) {
-        for (std::size_t k = fine.row_begin[fine_row]; k < fine.row_begin[fine_row + 1]; ++k) {
-          const std::uint32_t column = fine.column[k];
-          if (column < coarse_count) {
-            accumulator.add(column, weight, fine.block[k]);
-            continue;
-          }
-          const std::size_t edge = column - coarse_count;
-          for (std::uint32_t s = stencils.row_begin[edge]; s < stencils.row_begin[edge + 1]; ++s)
-            accumulator.add(stencils.rows[s].index, weight * stencils.rows[s].weight, fine.block[k]);
+      for (std::size_t k = 0; k < fine_row.columns().size(); ++k) {
+        const std::uint32_t column = fine_row.columns()[k];
+        if (column < coarse_count) {
+          accumulator.add(column, 1, fine_row.blocks()[k]);
+          continue;
         }
-      };
-      add_fine_row(row, 1);
-      for (std::uint32_t s = stencils.column_begin[row]; s < stencils.column_begin[row + 1]; ++s)
-        add_fine_row(coarse_count + stencils.columns[s].index, stencils.columns[s].weight);
+        const std::size_t edge = column - coarse_count;
+        for (std::uint32_t s = stencils.row_begin[edge]; s < stencils.row_begin[edge + 1]; ++s)
+          accumulator.add(stencils.rows[s].index, stencils.rows[s].weight, fine_row.blocks()[k]);
+      }
       rows[i].columns = accumulator.columns();
       rows[i].blocks = accumulator.blocks();
       accumulator.end();
