@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 
 #include "encoder/core/parallel.h"
 #include "encoder/measure/area_samples.h"
@@ -46,15 +47,6 @@ void wish_at(const Triangle& face, const double (&barycentric)[3], const Vec3& m
   if (nearest < 3) wish(face[nearest], move, wishes);
 }
 
-/// All that one repair holds the mesh against.
-struct Measure {
-  const SurfaceIndex& input;
-  std::vector<Vec3> input_points;  // used vertices first, then points between them
-  const std::vector<Triangle>& faces;
-  double tolerance, near;
-  std::size_t mesh_sample_count;
-};
-
 std::vector<Vec3> points_of(const SurfaceIndex& input, std::size_t sample_count) {
   std::vector<std::uint8_t> used(input.positions().size());
   for (const Triangle& t : input.triangles())
@@ -70,61 +62,111 @@ std::vector<Vec3> points_of(const SurfaceIndex& input, std::size_t sample_count)
   return points;
 }
 
-/// Places farther than `near`; `beyond` counts those farther than the tolerance.
-std::vector<Place> find_places(const Measure& measure, const SurfaceIndex& surface,
-                               const std::vector<Vec3>& positions, std::size_t& beyond) {
-  std::vector<Place> places;
-  beyond = 0;
-  std::vector<Place> found;
-  const auto keep_found = [&] {
-    for (const Place& place : found) {
-      if (!place.at.found()) continue;
-      beyond += norm(place.move) > measure.tolerance;
-      places.push_back(place);
-    }
-  };
-  found.assign(measure.input_points.size(), {});
-  parallel_for(found.size(), [&](std::size_t i) {
-    const Vec3& point = measure.input_points[i];
-    if (surface.is_within(point, measure.near)) return;
-    found[i].at = surface.closest_point(point);
-    found[i].move = point - found[i].at.position;
-  });
-  keep_found();
+/// Finds the places of a mesh again and again while its integers change. All references must outlive the object.
+class PlaceSearch {
+ public:
+  PlaceSearch(const SurfaceIndex& input, const std::vector<Vec3>& input_points, const std::vector<Triangle>& faces,
+              const MaximumRepairOptions& options)
+      : input_(input),
+        input_points_(input_points),
+        faces_(faces),
+        tolerance_(options.tolerance),
+        near_(options.margin * options.tolerance),
+        mesh_sample_count_(options.mesh_sample_count),
+        is_far_point_(input_points.size(), 0),
+        is_far_face_(faces.size(), 0) {}
 
-  const AreaSamples mesh_points(positions, measure.faces, measure.mesh_sample_count);
-  found.assign(mesh_points.size(), {});
-  parallel_for(found.size(), [&](std::size_t i) {
-    const AreaSample sample = mesh_points[i];
-    if (measure.input.is_within(sample.position, measure.near)) return;
-    Place& place = found[i];
-    place.at.triangle = sample.triangle;
-    std::copy_n(sample.barycentric, 3, place.at.barycentric);
-    place.move = measure.input.closest_point(sample.position).position - sample.position;
-  });
-  keep_found();
-
-  std::vector<Vec3> moves(positions.size());
-  parallel_for(positions.size(), [&](std::size_t v) {
-    if (!measure.input.is_within(positions[v], measure.near))
-      moves[v] = measure.input.closest_point(positions[v]).position - positions[v];
-  });
-  std::vector<std::uint8_t> is_told(positions.size(), 0);
-  for (std::uint32_t f = 0; f < measure.faces.size(); ++f) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t v = measure.faces[f][k];
-      if (moves[v] == Vec3{} || is_told[v]) continue;
-      is_told[v] = 1;
-      beyond += norm(moves[v]) > measure.tolerance;
-      Place place;
-      place.at.triangle = f;
-      place.at.barycentric[k] = 1;
-      place.move = moves[v];
-      places.push_back(place);
+  /// Places of the mesh at `positions`, of which `surface` is the index, that are farther than the margin; `beyond`
+  /// counts those beyond the tolerance. `everything`: looked at; else what has to do with faces changed since the last
+  /// call, and the places of that call. This leaves out only that points between the vertices of other faces slide a
+  /// little when areas change.
+  std::vector<Place> find(const SurfaceIndex& surface, const std::vector<Vec3>& positions, bool everything,
+                          std::size_t& beyond) {
+    std::vector<std::uint8_t> is_looked_at(faces_.size(), 1);
+    std::unique_ptr<SurfaceIndex> left_behind;  // the changed faces as they were: points near others are held still
+    if (!everything) {
+      std::vector<Triangle> changed;
+      for (std::size_t f = 0; f < faces_.size(); ++f) {
+        const bool is_changed = std::any_of(faces_[f].begin(), faces_[f].end(), [&](std::uint32_t v) {
+          return positions[v] != last_positions_[v];
+        });
+        if (is_changed) changed.push_back(faces_[f]);
+        is_looked_at[f] = is_changed || is_far_face_[f];
+      }
+      if (!changed.empty()) left_behind = std::make_unique<SurfaceIndex>(last_positions_, changed);
     }
+    std::vector<Place> places;
+    beyond = 0;
+    std::vector<Place> found;
+    const auto keep_found = [&] {
+      for (const Place& place : found) {
+        if (!place.at.found()) continue;
+        beyond += norm(place.move) > tolerance_;
+        places.push_back(place);
+      }
+    };
+    found.assign(input_points_.size(), {});
+    parallel_for(found.size(), [&](std::size_t i) {
+      const Vec3& point = input_points_[i];
+      if (!everything && !is_far_point_[i] && !(left_behind && left_behind->is_within(point, near_))) return;
+      is_far_point_[i] = !surface.is_within(point, near_);
+      if (!is_far_point_[i]) return;
+      found[i].at = surface.closest_point(point);
+      found[i].move = point - found[i].at.position;
+    });
+    keep_found();
+
+    const std::size_t first_of_mesh = places.size();
+    const AreaSamples mesh_points(positions, faces_, mesh_sample_count_);
+    found.assign(mesh_points.size(), {});
+    parallel_for(found.size(), [&](std::size_t i) {
+      const AreaSample sample = mesh_points[i];
+      if (!is_looked_at[sample.triangle] || input_.is_within(sample.position, near_)) return;
+      Place& place = found[i];
+      place.at.triangle = sample.triangle;
+      std::copy_n(sample.barycentric, 3, place.at.barycentric);
+      place.move = input_.closest_point(sample.position).position - sample.position;
+    });
+    keep_found();
+
+    // Each vertex in the first face that has it.
+    std::vector<std::uint32_t> face_of(positions.size(), kNoTriangle);
+    for (std::size_t f = faces_.size(); f-- > 0;) {
+      for (const std::uint32_t v : faces_[f])
+        if (is_looked_at[f] || face_of[v] != kNoTriangle) face_of[v] = static_cast<std::uint32_t>(f);
+    }
+    std::vector<Vec3> moves(positions.size());
+    parallel_for(positions.size(), [&](std::size_t v) {
+      if (face_of[v] != kNoTriangle && !input_.is_within(positions[v], near_))
+        moves[v] = input_.closest_point(positions[v]).position - positions[v];
+    });
+    for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t v = faces_[f][k];
+        if (face_of[v] != f || moves[v] == Vec3{}) continue;
+        beyond += norm(moves[v]) > tolerance_;
+        Place place;
+        place.at.triangle = f;
+        place.at.barycentric[k] = 1;
+        place.move = moves[v];
+        places.push_back(place);
+      }
+    }
+    std::fill(is_far_face_.begin(), is_far_face_.end(), std::uint8_t{0});
+    for (std::size_t p = first_of_mesh; p < places.size(); ++p) is_far_face_[places[p].at.triangle] = 1;
+    last_positions_ = positions;
+    return places;
   }
-  return places;
-}
+
+ private:
+  const SurfaceIndex& input_;
+  const std::vector<Vec3>& input_points_;
+  const std::vector<Triangle>& faces_;
+  const double tolerance_, near_;
+  const std::size_t mesh_sample_count_;
+  std::vector<std::uint8_t> is_far_point_, is_far_face_;  // at the last call; a vertex is its face's
+  std::vector<Vec3> last_positions_;
+};
 
 std::int32_t rounded(double value) { return static_cast<std::int32_t>(std::lround(value)); }
 
@@ -197,19 +239,21 @@ MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionH
   const std::uint32_t even_count = finest > 0 ? hierarchy.level(finest - 1).vertex_count : 0;
   const std::size_t considered =
       hierarchy.level(finest).vertex_count + options.input_sample_count + options.mesh_sample_count;
-  const Measure measure{input, points_of(input, options.input_sample_count), faces, options.tolerance,
-                        options.margin * options.tolerance, options.mesh_sample_count};
+  const std::vector<Vec3> input_points = points_of(input, options.input_sample_count);
+  PlaceSearch search(input, input_points, faces, options);
   const double area = AreaSamples(input.positions(), input.triangles(), 1).total_area();
   const double sample_count = static_cast<double>(std::max<std::size_t>(options.mesh_sample_count, 20000));
   const double spacing = 0.7 * std::sqrt(area / sample_count);
-  const PlaceSettling settling(input, measure.input_points, hierarchy, faces, options.tolerance, spacing);
+  const PlaceSettling settling(input, input_points, hierarchy, faces, options.tolerance, spacing);
   QuantizedMesh best = mesh;
   int best_round = 0;
   for (; result.rounds < options.maximum_rounds; ++result.rounds) {
     std::vector<Vec3> positions = reconstruct(mesh, hierarchy, finest);
     const SurfaceIndex surface(positions, faces);
     std::size_t beyond = 0;
-    const std::vector<Place> places = find_places(measure, surface, positions, beyond);
+    std::vector<Place> places = search.find(surface, positions, result.rounds == 0, beyond);
+    // What has slid into view is seen before all is called done.
+    if (beyond == 0 && result.rounds > 0) places = search.find(surface, positions, true, beyond);
     if (result.rounds == 0) {
       result.initial_beyond = result.final_beyond = beyond;
     } else if (beyond < result.final_beyond) {
