@@ -29,22 +29,34 @@ bool repair_pays(const Trial& trial, const Trial& repaired) {
   return size_loss < rms_gain + 0.02;
 }
 
+namespace {
+
+/// The final measurement finds nothing between the vertices that the repair has not seen.
+void sample_as_measured(const Candidate& candidate, MaximumRepairOptions& repair) {
+  const LevelTopology& finest = candidate.hierarchy().level(candidate.hierarchy().level_count());
+  repair.input_sample_count = usual_sample_count(candidate.reference().mesh.triangle_count());
+  repair.mesh_sample_count = usual_sample_count(finest.face_count);
+}
+
+}  // namespace
+
 Trial repair_spikes(const Candidate& candidate, const Target& target, const StreamDescription& description,
                     const TrialOptions& options, Trial trial) {
   // A lost tip of a limb weighs as much in the mean as all the rest, and takes a few integers to bring back. Distances
   // of so many RMS errors are no longer noise of the quantization.
-  const double spike_multiple = options.is_final ? 6.5 : 12, worth_a_look = options.is_final ? 1 : 1.3;
+  const double spike_multiple = options.is_final ? 8 : 12, worth_a_look = options.is_final ? 1 : 1.3;
   const double spike = spike_multiple * (target.kind == TargetKind::kSize ? trial.error.rms : target.value);
   if (trial.error.maximum <= worth_a_look * spike) return trial;
   Trial repaired = trial;
   MaximumRepairOptions repair;
   repair.tolerance = spike;
   repair.margin = 1;
-  repair.maximum_rounds = 4;
-  repair.patience = 2;  // these may stay, other than places beyond an asked maximum
   if (options.is_final) {
-    repair.maximum_rounds = 8;
-    repair.input_sample_count = repair.mesh_sample_count = 40000;  // the sides of spikes, between the vertices
+    repair.maximum_rounds = 16;
+    sample_as_measured(candidate, repair);
+  } else {
+    repair.maximum_rounds = 4;
+    repair.patience = 2;  // these may stay, other than places beyond an asked maximum
   }
   candidate.repair(repair, description, options, repaired);
   return repair_pays(trial, repaired) ? repaired : trial;
@@ -55,10 +67,10 @@ void repair_maximum_error(const Candidate& candidate, const Target& target, cons
   MaximumRepairOptions repair;
   repair.tolerance = target.value;
   repair.maximum_rounds = 24;
-  const LevelTopology& finest = candidate.hierarchy().level(candidate.hierarchy().level_count());
-  repair.input_sample_count =
-      options.is_final ? usual_sample_count(candidate.reference().mesh.triangle_count()) : usual_sample_count(0);
-  repair.mesh_sample_count = options.is_final ? usual_sample_count(finest.face_count) : usual_sample_count(0);
+  if (options.is_final)
+    sample_as_measured(candidate, repair);
+  else
+    repair.input_sample_count = repair.mesh_sample_count = usual_sample_count(0);
   candidate.repair(repair, description, options, trial);
 }
 
