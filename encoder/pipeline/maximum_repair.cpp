@@ -22,6 +22,7 @@ double wished_distance(int round) { return std::min(0.85 + 0.03 * round, 0.97); 
 /// More of them are first thinned out without a look at what each move does.
 constexpr std::size_t kManyPlaces = 250;
 constexpr std::uint32_t kAllVertices = 0xffffffffu;
+constexpr double kShareOfSecondStart = 0.4;
 /// So many times the best round's places, and more than a few: what is wished for only pushes the surface about.
 constexpr std::size_t kDiverged = 3, kFewPlaces = 50;
 
@@ -246,7 +247,9 @@ MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionH
   const double spacing = 0.7 * std::sqrt(area / sample_count);
   const PlaceSettling settling(input, input_points, hierarchy, faces, options.tolerance, spacing);
   QuantizedMesh best = mesh;
-  int best_round = 0;
+  int start_round = 0;  // of the best, or of the second start there
+  bool starts_again = options.starts_again;
+  double share = 1;
   for (; result.rounds < options.maximum_rounds; ++result.rounds) {
     std::vector<Vec3> positions = reconstruct(mesh, hierarchy, finest);
     const SurfaceIndex surface(positions, faces);
@@ -258,14 +261,30 @@ MaximumRepairResult repair_maximum(const SurfaceIndex& input, const SubdivisionH
       result.initial_beyond = result.final_beyond = beyond;
     } else if (beyond < result.final_beyond) {
       result.final_beyond = beyond;
-      best_round = result.rounds;
+      start_round = result.rounds;
       best = mesh;
+      share = 1;
     }
-    if (beyond == 0 || result.rounds - best_round >= options.patience) break;
-    if (beyond > kDiverged * result.final_beyond + kFewPlaces) break;
+    if (beyond == 0) break;
+    const bool has_diverged = beyond > kDiverged * result.final_beyond + kFewPlaces;
+    if (has_diverged || result.rounds - start_round >= options.patience) {
+      if (!starts_again) break;
+      // Neighbours that push each other about may settle where only the farthest of them are moved.
+      starts_again = false;
+      start_round = result.rounds;
+      share = kShareOfSecondStart;
+      mesh = best;
+      continue;
+    }
     if (static_cast<double>(beyond) > options.largest_share * static_cast<double>(considered)) break;
     const bool is_settled = places.size() <= kManyPlaces;
-    const std::vector<Place> left = is_settled ? settling.settle(places, surface, positions, mesh) : places;
+    std::vector<Place> left = is_settled ? settling.settle(places, surface, positions, mesh) : places;
+    if (share < 1) {
+      std::stable_sort(left.begin(), left.end(), [](const Place& a, const Place& b) {
+        return squared_norm(a.move) > squared_norm(b.move);
+      });
+      left.resize(static_cast<std::size_t>(std::ceil(share * static_cast<double>(left.size()))));
+    }
     Wishes wishes;
     for (const Place& place : left) {
       const double part = 1 - wished_distance(result.rounds) * options.tolerance / norm(place.move);

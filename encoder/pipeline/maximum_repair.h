@@ -22,6 +22,8 @@ struct MaximumRepairOptions {
   int maximum_rounds = 8;
   /// Rounds without progress after which the rest are left out.
   int patience = 5;
+  /// Once, instead of giving up: back to the best round, and from there with wishes of the farthest places only.
+  bool starts_again = false;
   /// More places than this share of the vertices and points are no spikes: nothing is done.
   double largest_share = 0.01;
   /// Area-uniform points of each surface that count beside the vertices: with those of the measurement

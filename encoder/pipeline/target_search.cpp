@@ -67,6 +67,7 @@ void repair_maximum_error(const Candidate& candidate, const Target& target, cons
   MaximumRepairOptions repair;
   repair.tolerance = target.value;
   repair.maximum_rounds = 24;
+  repair.starts_again = true;
   if (options.is_final)
     sample_as_measured(candidate, repair);
   else

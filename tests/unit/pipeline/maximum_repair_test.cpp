@@ -34,6 +34,7 @@ struct Scene {
     MaximumRepairOptions options;
     options.tolerance = tolerance;
     options.maximum_rounds = 24;
+    options.starts_again = true;
     options.input_sample_count = options.mesh_sample_count = usual_sample_count(input.triangle_count());
     return repair_maximum(*index, hierarchy, options, mesh);
   }
