@@ -13,6 +13,7 @@
 #include "decoder/displacement/base_and_displacement.h"
 #include "decoder/tool/quantity.h"
 #include "decoder/tool/stream_source.h"
+#include "decoder/tool/threads.h"
 #include "decoder/tool/tool_main.h"
 #include "decoder/write/mesh_writer.h"
 
@@ -28,6 +29,7 @@ struct Arguments {
   bool allow_partial = false, prints_hash = false, no_output = false, quiet = false, force = false;
   int verbosity = 0;
   std::uint32_t repeat = 1;
+  ThreadCount threads;
   std::string max_alloc, positions = "auto", normals = "none", progress = "auto";
   std::uint64_t max_triangles_limit = 0;
 };
@@ -254,10 +256,16 @@ nmc_limits limits_of(const Arguments& arguments) {
   return limits;
 }
 
+void lend_threads(Arguments& arguments, StreamReader& reader) {
+  if (arguments.threads.count != 1) check_status(reader.set_threads(run_on_threads, &arguments.threads), reader, "");
+}
+
 /// Decodes from memory again and again and tells the best time, mesh in hand.
-ToolExit benchmark(const Arguments& arguments) {
+ToolExit benchmark(Arguments& arguments) {
   const std::vector<std::uint8_t> bytes = read_file(arguments.input);
   StreamReader reader(limits_of(arguments));
+  check_status(reader.status(), reader, arguments.input);
+  lend_threads(arguments, reader);
   double best = 0;
   std::uint32_t face_count = 0;
   std::vector<float> positions;
@@ -302,6 +310,7 @@ ToolExit decode(Arguments& arguments) {
   }
   StreamReader reader(limits_of(arguments));
   check_status(reader.status(), reader, arguments.input);
+  lend_threads(arguments, reader);
   InputFile input(arguments.input);
   Choice choice;
   nmc_layer layer{};
@@ -434,6 +443,8 @@ int main(int argc, char** argv) {
   app.add_option("--normals", arguments.normals, "none, or vertex: normals weighted by area")
       ->check(CLI::IsMember({"none", "vertex"}));
   app.add_flag("--hash", arguments.prints_hash, "print the hashes of the decoded integers and positions");
+  app.add_option("-j,--threads", arguments.threads.count, "threads for positions; 0: all. The mesh does not depend on it")
+      ->capture_default_str();
   app.add_option("--max-alloc", arguments.max_alloc, "largest memory of the decoder, such as 500MB");
   app.add_option("--max-triangles-limit", arguments.max_triangles_limit,
                  "refuse larger meshes before allocating");

@@ -24,7 +24,7 @@ for source in "$root"/decoder/wasm/*.cpp "$root"/libnmc/common/*.cpp "$root"/lib
   # shellcheck disable=SC2086  # the options are meant to be split
   clang++ --target=wasm32-wasi -std=c++20 $options ${NMC_WASM_FLAGS:-} -mbulk-memory -fno-unroll-loops -fno-exceptions \
     -fno-rtti -ffp-contract=off -fno-fast-math -ffunction-sections -fdata-sections -fvisibility=hidden -DNDEBUG \
-    -DNMC_TABLES_MADE_AT_START -DNMC_WITHOUT_MESSAGES -I"$root" -c "$source" -o "$objects/$name.o" &
+    -DNMC_TABLES_MADE_AT_START -DNMC_WITHOUT_MESSAGES -DNMC_WITHOUT_THREADS -I"$root" -c "$source" -o "$objects/$name.o" &
 done
 wait  # a file that failed is missed by the linker
 wasm-ld -m wasm32 --no-entry --gc-sections --strip-all -z stack-size=131072 "$objects"/*.o \

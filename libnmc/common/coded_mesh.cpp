@@ -251,7 +251,7 @@ LevelQuantizer CodedMesh::current_quantizer(int level) const {
   return header_->quantizer(level, layer < 0 ? 0 : layer);
 }
 
-Status CodedMesh::update_positions(int level, StopRequest stop) {
+Status CodedMesh::update_positions(int level, StopRequest stop, [[maybe_unused]] TaskRunner runner) {
   if (base_layer_ < 0) return NMC_ERROR(kState, nullptr, "the base mesh is not there yet");
   if (clean_level_ >= level) return ok_status();
   if (level > 0) NMC_TRY(ensure_topology(level - 1, false));
@@ -268,24 +268,46 @@ Status CodedMesh::update_positions(int level, StopRequest stop) {
             static_cast<double>(header_->origin[k] + ratio * base_.coordinates[3 * v + k]) * step;
     clean_level_ = 0;
   }
-  constexpr std::uint32_t kEdgesPerPiece = 1 << 16;
+  constexpr std::uint32_t kEdgesPerPiece = 1 << 14;
   for (int l = clean_level_; l < level; ++l) {
     const std::uint32_t edge_count = topology_[l].edge_count;
-    for (std::uint32_t first = 0; first < edge_count; first += kEdgesPerPiece) {
-      NMC_TRY(stop.check());
+    const std::uint32_t piece_count = (edge_count + kEdgesPerPiece - 1) / kEdgesPerPiece;
+    auto make_piece = [this, l, edge_count](std::uint32_t piece) {
+      const std::uint32_t first = piece * kEdgesPerPiece;
       const std::uint32_t last = edge_count - first > kEdgesPerPiece ? first + kEdgesPerPiece : edge_count;
-      const LevelCoefficients* coefficients = layer_of_level_[l] < 0 ? nullptr : &coefficients_[l];
-      if (l > 0) {
-        reconstruct_odd_vertices_of_split(topology_[l - 1], topology_[l], ring_weights_, current_quantizer(l),
-                                          coefficients, first, last, positions_.data());
-      } else {
-        reconstruct_odd_vertices(topology_[l], ring_weights_, current_quantizer(l), coefficients, first, last,
-                                 positions_.data());
-      }
+      update_odd_vertices(l, first, last);
+    };
+    std::uint32_t next = 0;
+#ifndef NMC_WITHOUT_THREADS
+    // Pieces read vertices of coarser levels and write their own.
+    if (runner.run_tasks && piece_count > 1) {
+      using MakePiece = decltype(make_piece);
+      NMC_TRY(stop.check());
+      runner.run_tasks(
+          runner.user,
+          [](void* context, std::uint32_t piece) { (*static_cast<MakePiece*>(context))(piece); },
+          &make_piece, piece_count);
+      next = piece_count;
+    }
+#endif
+    for (; next < piece_count; ++next) {
+      NMC_TRY(stop.check());
+      make_piece(next);
     }
     clean_level_ = l + 1;
   }
   return ok_status();
+}
+
+void CodedMesh::update_odd_vertices(int level, std::uint32_t first, std::uint32_t last) {
+  const LevelCoefficients* coefficients = layer_of_level_[level] < 0 ? nullptr : &coefficients_[level];
+  if (level > 0) {
+    reconstruct_odd_vertices_of_split(topology_[level - 1], topology_[level], ring_weights_, current_quantizer(level),
+                                      coefficients, first, last, positions_.data());
+  } else {
+    reconstruct_odd_vertices(topology_[level], ring_weights_, current_quantizer(level), coefficients, first, last,
+                             positions_.data());
+  }
 }
 
 Status CodedMesh::update_attribute(int index, int level, StopRequest stop) {

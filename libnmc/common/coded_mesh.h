@@ -18,6 +18,7 @@
 #include "libnmc/common/region.h"
 #include "libnmc/common/status.h"
 #include "libnmc/common/stop_request.h"
+#include "libnmc/common/task_runner.h"
 
 namespace nmc {
 
@@ -83,7 +84,8 @@ class CodedMesh {
 
   /// Brings positions up to date for all vertices of `level`. Work is proportional to what has changed since
   /// the last call.
-  Status update_positions(int level, StopRequest stop = {});
+  /// The vertices of a level are made in pieces, on several threads where `runner` has them.
+  Status update_positions(int level, StopRequest stop = {}, TaskRunner runner = {});
   /// Brings the values of attribute `index` up to date for all vertices of `level`; kState before any is
   /// coded.
   Status update_attribute(int index, int level, StopRequest stop = {});
@@ -113,6 +115,8 @@ class CodedMesh {
   /// Makes room for the level's integers, or brings them to the steps of the region's layer.
   Status open_region_level(RegionCoder& coding);
   Status set_base_topology();
+  /// The odd vertices of the edges [first, last) of `level`.
+  void update_odd_vertices(int level, std::uint32_t first, std::uint32_t last);
   void base_changed() { clean_level_ = -1; }
 
   Memory* memory_;

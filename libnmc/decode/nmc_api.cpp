@@ -235,6 +235,13 @@ nmc_status nmc_decoder_reset(nmc_decoder* decoder) {
   return NMC_OK;
 }
 
+nmc_status nmc_decoder_set_threads(nmc_decoder* decoder, nmc_run_tasks run_tasks, void* user) {
+  if (!decoder) return NMC_ERR_ARGUMENT;
+  decoder->limits.runner = {run_tasks, user};
+  decoder->stream.set_task_runner(decoder->limits.runner);
+  return NMC_OK;
+}
+
 nmc_status nmc_decoder_feed(nmc_decoder* decoder, const void* data, size_t size) {
   if (!decoder) return NMC_ERR_ARGUMENT;
   if (!data && size > 0) return argument_error(decoder, kNull);

@@ -348,7 +348,7 @@ Status StreamDecoder::level_size(int level, std::uint32_t& vertex_count, std::ui
 
 Status StreamDecoder::update_positions(int level) {
   NMC_TRY(check_readable(level));
-  return mesh_.update_positions(level, limits_.stop);
+  return mesh_.update_positions(level, limits_.stop, limits_.runner);
 }
 
 Status StreamDecoder::update_attribute(int index, int level) {

@@ -25,6 +25,7 @@ struct DecoderLimits {
   std::uint32_t maximum_levels = kMaximumLevelCount;
   std::uint32_t maximum_chunk_size = kMaximumChunkSize;
   StopRequest stop;
+  TaskRunner runner;
 };
 
 /// What next() has found. Order: kHeader once, then kLayer once for each row of the layer table, then kEnd
@@ -56,6 +57,9 @@ class StreamDecoder {
   /// No more bytes will come: kTruncated when layers of the table are missing, kCorrupt when bytes follow
   /// them.
   Status finish();
+
+  /// Threads for the work that can be shared; those of the limits until then.
+  void set_task_runner(const TaskRunner& runner) { limits_.runner = runner; }
 
   bool has_header() const { return has_header_; }
   const Header& header() const { return header_; }

@@ -9,6 +9,10 @@
 
 #include "libnmc/include/nmc/nmc.h"
 
+#ifdef NMC_TWO_THREADS
+#include "decoder/tool/threads.h"
+#endif
+
 namespace {
 
 std::uint64_t hash_of(const std::vector<float>& values) {
@@ -44,6 +48,10 @@ bool print_file(const char* path, const char* name) {
   if (!file) return false;
   nmc_decoder* decoder = nullptr;
   if (nmc_decoder_create(&decoder, nullptr, nullptr) != NMC_OK) return false;
+#ifdef NMC_TWO_THREADS
+  nmc::ThreadCount two{2};
+  nmc_decoder_set_threads(decoder, nmc::run_on_threads, &two);
+#endif
   std::vector<unsigned char> piece(1 << 16);
   nmc_status status = NMC_OK;
   while (true) {

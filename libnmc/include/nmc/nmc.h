@@ -129,6 +129,14 @@ typedef struct nmc_allocator {
  * NMC_ERR_ARGUMENT, NMC_ERR_LIMIT or NMC_ERR_NO_MEMORY; then *decoder is null. */
 NMC_API nmc_status nmc_decoder_create(nmc_decoder** decoder, const nmc_limits* limits, const nmc_allocator* allocator);
 
+/* Lends the decoder threads. `run_tasks` has to call task(context, i) once for each i below task_count, from any threads,
+ * and to return when all are done. It is called from within calls that read positions or normals; tasks allocate nothing,
+ * call nothing back and do not throw. Results are the same bits with any number of threads. Null ends it. Kept by
+ * nmc_decoder_reset. In the WebAssembly module it does nothing. */
+typedef void (*nmc_run_tasks)(void* user, void (*task)(void* context, uint32_t index), void* context,
+                              uint32_t task_count);
+NMC_API nmc_status nmc_decoder_set_threads(nmc_decoder* decoder, nmc_run_tasks run_tasks, void* user);
+
 /* Gives all memory back and sets *decoder to null. Null and pointers to null are allowed. */
 NMC_API void nmc_decoder_destroy(nmc_decoder** decoder);
 

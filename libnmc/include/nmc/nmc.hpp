@@ -62,6 +62,9 @@ class StreamReader {
   [[nodiscard]] nmc_status current_layer(nmc_layer& layer) const {
     return nmc_decoder_current_layer(decoder_, &layer);
   }
+  [[nodiscard]] nmc_status set_threads(nmc_run_tasks run_tasks, void* user) {
+    return nmc_decoder_set_threads(decoder_, run_tasks, user);
+  }
   [[nodiscard]] nmc_status skip_layer() { return nmc_decoder_skip_layer(decoder_); }
   [[nodiscard]] nmc_status read_regions(std::span<std::uint8_t> regions) {
     return nmc_decoder_read_regions(decoder_, regions.data(), static_cast<std::uint32_t>(regions.size()));

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <vector>
 
+#include "decoder/tool/threads.h"
 #include "libnmc/include/nmc/nmc.hpp"
 #include "tests/support/stream_decoding.h"
 #include "tests/support/stream_generator.h"
@@ -43,6 +44,37 @@ TEST_CASE("nmc.h: the loop of its comment decodes a stream in C", "[api]") {
   uint32_t face_count = 0;
   CHECK(decode_in_c(stream.bytes.data(), stream.bytes.size(), &face_count) == NMC_OK);
   CHECK(face_count == 24 * 64);
+}
+
+TEST_CASE("nmc.h: any number of threads gives the same bits", "[api][determinism]") {
+  StreamRecipe recipe;
+  recipe.base = grid(6, 5, true);
+  recipe.level_count = 6;
+  recipe.tangential_density = 0.01;
+  const GeneratedStream stream = generate(recipe);
+  StreamReader alone = finished_reader(stream), many = finished_reader(stream);
+  nmc_info info{};
+  REQUIRE(alone.info(info) == NMC_OK);
+  std::uint64_t expected = 0, hash = 0;
+  REQUIRE(alone.position_hash(info.level_count, expected) == NMC_OK);
+  for (unsigned count : {2u, 3u, 0u}) {
+    ThreadCount threads{count};
+    StreamReader reader = finished_reader(stream);
+    REQUIRE(reader.set_threads(run_on_threads, &threads) == NMC_OK);
+    REQUIRE(reader.position_hash(info.level_count, hash) == NMC_OK);
+    INFO(count << " threads");
+    CHECK(hash == expected);
+  }
+  // A level is made in tasks, and each is asked for once.
+  std::vector<int> calls;
+  const auto count_calls = [](void* user, void (*task)(void*, std::uint32_t), void* context, std::uint32_t task_count) {
+    static_cast<std::vector<int>*>(user)->push_back(static_cast<int>(task_count));
+    for (std::uint32_t i = task_count; i-- > 0;) task(context, i);
+  };
+  REQUIRE(many.set_threads(count_calls, &calls) == NMC_OK);
+  REQUIRE(many.position_hash(info.level_count, hash) == NMC_OK);
+  CHECK(hash == expected);
+  CHECK(calls == std::vector<int>{2, 6});
 }
 
 TEST_CASE("nmc.h: events come in their order, and what they make legal is legal", "[api]") {
