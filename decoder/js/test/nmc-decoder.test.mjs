@@ -273,6 +273,41 @@ test('offsets: none in the base mesh, as many as vertices, and they follow the l
   decoder.dispose();
 });
 
+test('regions: rows are left out one by one, and what came stays as it is in the whole', async () => {
+  const bytes = bytesOf('regions-closed');
+  const look = async (wants) => {
+    const decoder = await NmcDecoder.create();
+    let at = 0;
+    while (decoder.next() === null) decoder.feed(bytes.subarray(at, ++at));
+    assert.equal(at, decoder.header.headerBytes);
+    for (const row of decoder.layers) {
+      if (wants(row)) {
+        decoder.feed(bytes.subarray(at, row.bytes));
+        assert.equal(decoder.next(), 'layer');
+      } else {
+        decoder.skipLayer();
+      }
+      at = row.bytes;
+    }
+    assert.equal(decoder.next(), 'end');
+    const seen = { regions: decoder.readRegions(), offsets: decoder.readOffsets(decoder.header.levelCount).normal };
+    decoder.dispose();
+    return { ...seen, header: decoder.header };
+  };
+  const whole = await look(() => true), part = await look((row) => !(row.region > 0));
+  assert.ok(whole.header.regionCount > 1);
+  assert.equal(new Set(whole.regions).size, whole.header.regionCount);
+  assert.ok(part.offsets.every((offset, v) => offset === whole.offsets[v] || offset === 0));
+  assert.ok(part.offsets.some((offset, v) => offset !== whole.offsets[v]));
+  const decoder = await NmcDecoder.create();
+  assert.throws(() => decoder.skipLayer(), (error) => error.code === 'NMC_ERR_STATE');
+  decoder.dispose();
+});
+
+test('errors: their sentence tells what the section of the format is about', async () => {
+  await assert.rejects(decode(bytesOf('checksum-base')), (error) => error.specSection === '3.2' && /damaged/.test(error.message));
+});
+
 test('package: at most 40 kB with brotli', () => {
   const size = brotliCompressSync(readFileSync(join(here, '../nmc-decoder.mjs'))).length;
   assert.ok(size <= 40000, `${size} bytes`);
