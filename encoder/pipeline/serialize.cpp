@@ -334,6 +334,7 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
   result.header_size = bytes.size() - writer.chunks().size();
   for (StreamRow& row : result.rows) row.end_offset += result.header_size;
   result.bytes.assign(bytes.begin(), bytes.end());
+  result.region_count = static_cast<int>(header.region_count);
   result.state_hash = writer.mesh().state_hash();
   if (measure) {
     check(writer.mesh().update_positions(stored_level_count));

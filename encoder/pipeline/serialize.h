@@ -66,6 +66,7 @@ struct StreamBytes {
   std::uint64_t header_size = 0, base_size = 0;
   std::uint64_t color_size = 0;  // of all chunks with colours
   std::vector<std::uint64_t> level_sizes;
+  int region_count = 0;
   std::uint64_t state_hash = 0, position_hash = 0;
 };
 

@@ -176,6 +176,13 @@ ExitCode encode_file(const EncodeArguments& arguments, const std::string& input_
     for (const std::string& dropped : context.dropped_properties)
       fmt::print(stderr, "not kept: {}\n", dropped);
     fmt::print(stderr, "{}\n", summary_line(result, context));
+    const int region_count = result.stream.region_count;
+    if (region_count < options.region_count) {
+      fmt::print(stderr, "regions: {} of the {} asked for: {}\n",
+                 region_count > 0 ? std::to_string(region_count) : "none", options.region_count,
+                 region_count > 0 ? "there are no more base faces, or no more rows for them"
+                                  : "a file of fewer than two levels has nothing to divide");
+    }
     if (result.colors && !result.colors->is_met) {
       const double wanted = *options.color_psnr_db;
       if (result.colors->resolution_psnr_db < wanted + 0.5) {

@@ -9,7 +9,7 @@ import subprocess
 import tempfile
 import unittest
 
-ENCODE, DECODE, COMPARE = (os.environ[name] for name in ("NMC_ENCODE", "NMC_DECODE", "NMC_COMPARE"))
+ENCODE, DECODE, COMPARE, INFO = (os.environ[name] for name in ("NMC_ENCODE", "NMC_DECODE", "NMC_COMPARE", "NMC_INFO"))
 CORPUS = pathlib.Path(os.environ.get("NMC_CORPUS", pathlib.Path(__file__).resolve().parents[3] / "shared" / "corpus"))
 
 
@@ -292,6 +292,26 @@ class Encoding(unittest.TestCase):
             self.assertEqual(run(DECODE, cut, "-o", decoded, "-f", "--allow-partial").returncode, 0)
             compared = json.loads(run(COMPARE, mesh, decoded, "--json").stdout)
             self.assertAlmostEqual(compared["rms"], layer["rmsError"], delta=0.01 * layer["rmsError"])
+
+    def test_regions_come_alone_and_together_they_are_the_whole(self):
+        mesh = self.obj(bumpy_torus())
+        options = ("--rms-error", "0.05%", "-e", "1", "--levels", "3", "--base", "100")
+        plain = self.encode(mesh, *options)[0].read_bytes()
+        stream, report = self.encode(mesh, *options, "--regions", "4")
+        self.assertLess(len(stream.read_bytes()), len(plain) + 4 * 60)
+        rows = [row for row in json.loads(run(INFO, "--json", stream).stdout)["layers"] if "region" in row]
+        self.assertEqual([row["region"] for row in rows], [0, 1, 2, 3])
+        errors = []
+        for regions in ("2", "0,2", "0,1,2,3"):
+            decoded = self.folder / "part.ply"
+            self.assertEqual(run(DECODE, stream, "-o", decoded, "-f", "--regions", regions).returncode, 0)
+            errors.append(json.loads(run(COMPARE, mesh, decoded, "--json").stdout)["rms"])
+        self.assertEqual(errors, sorted(errors, reverse=True))
+        self.assertAlmostEqual(errors[-1], report["layers"][-1]["rmsError"], delta=0.01 * errors[-1])
+        coarse = run(ENCODE, mesh, "--rms-error", "5%", "-e", "1", "--levels", "1", "--regions", "4", "-f",
+                     "-o", self.folder / "coarse.nmc")
+        self.assertEqual(coarse.returncode, 0)
+        self.assertIn("regions: none of the 4", coarse.stderr.decode())
 
     def test_same_bytes_with_one_and_two_threads(self):
         mesh = self.obj(bumpy_torus())
