@@ -139,7 +139,6 @@ NMC_SELDOM Status CodedMesh::begin_region(int layer, int region, RegionCoder& co
   std::memcpy(coding.shared_states_.data(), &coefficient_model_, sizeof coefficient_model_);
   coding.region_ = region;
   coding.layer_ = layer;
-  is_region_changed_ = true;
   return ok_status();
 }
 
@@ -191,6 +190,7 @@ NMC_SELDOM Status CodedMesh::open_region_level(RegionCoder& coding) {
     if (!whole.normal.resize(count)) return no_memory();
     layer_of_level_[level] = 0;
   } else if (layer_of_level_[level] < coding.layer_) {
+    is_region_changed_ = true;
     scale(coding.layer_, whole);
     // From here on all regions are in the finer steps, with the values that they had.
     layer_of_level_[level] = coding.layer_;
@@ -237,6 +237,7 @@ NMC_SELDOM Status CodedMesh::exchange_region(const RegionCoder& coding, LevelCoe
 
 NMC_SELDOM Status CodedMesh::put_region(const RegionCoder& coding, LevelCoefficients& part) {
   LevelCoefficients& whole = coefficients_[coding.number_];
+  is_region_changed_ = true;
   if (clean_level_ > coding.number_) clean_level_ = coding.number_;
   return exchange_region(coding, part, whole, &whole);
 }

@@ -140,7 +140,7 @@ class CodedMesh {
   int marked_layer_of_level_[kMaximumLevelCount];
   RegionPartition partition_;
   Array<std::uint32_t> region_scratch_;
-  bool is_region_changed_ = false;             // since begin_layer()
+  bool is_region_changed_ = false;  // integers that were there have been written over since begin_layer()
   Array<std::uint32_t> next_layer_of_region_;
 };
 

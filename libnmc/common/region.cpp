@@ -59,6 +59,7 @@ NMC_SELDOM Status RegionPartition::build(const LevelTopology& base, std::uint32_
       }
     }
   }
+  for (std::uint32_t& first : first_face) first = 0;
   for (std::uint32_t f = 0; f < face_count; ++f) rank_of_face[f] = first_face[region_of_face[f] + 1]++;
   for (std::uint32_t region = 0; region < region_count; ++region) first_face[region + 1] += first_face[region];
   for (std::uint32_t f = 0; f < face_count; ++f) faces[first_face[region_of_face[f]] + rank_of_face[f]] = f;
@@ -131,7 +132,8 @@ NMC_SELDOM Status RegionLevel::number_odd_edges(const RegionPartition& partition
 
 NMC_SELDOM Status RegionLevel::split(const RegionPartition& partition, std::uint32_t region) {
   const LevelTopology& coarse = topologies_[current_];
-  whole_edge_count = 2 * whole_edge_count + 3 * (static_cast<std::uint32_t>(partition.faces.size()) << (2 * coarse.level));
+  const auto base_face_count = static_cast<std::uint32_t>(partition.faces.size());
+  whole_edge_count = 2 * whole_edge_count + 3 * (base_face_count << (2 * coarse.level));
   NMC_TRY(subdivide(coarse, false, topologies_[1 - current_]));
   current_ = 1 - current_;
   edges.swap(odd_edges);

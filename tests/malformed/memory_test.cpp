@@ -48,6 +48,11 @@ nmc_status decode_failing_at(const std::vector<std::uint8_t>& bytes, long k, Fai
   decoding = decode_with(decoder, bytes, {11});
   for (const DecodedLayer& layer : decoding.layers) read_failed |= layer.position_hash == 0;
   REQUIRE(mesh_is_sound(decoder, 2));
+  nmc_info info{};
+  if (nmc_decoder_info(decoder, &info) == NMC_OK && info.region_count > 0) {
+    std::vector<std::uint8_t> regions(info.base_face_count);
+    nmc_decoder_read_regions(decoder, regions.data(), info.base_face_count);
+  }
   was_reached = allocator.remaining < 0;
   // What failed once works after a reset.
   REQUIRE(nmc_decoder_reset(decoder) == NMC_OK);

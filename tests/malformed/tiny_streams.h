@@ -9,7 +9,7 @@
 
 namespace nmc::test {
 
-/// Four small streams that together use all that the format has.
+/// Five small streams that together use all that the format has.
 inline std::vector<GeneratedStream> tiny_streams() {
   StreamRecipe closed;
   closed.name = "closed, two levels";
@@ -39,7 +39,16 @@ inline std::vector<GeneratedStream> tiny_streams() {
   coloured.level_count = 2;
   coloured.attribute_count = 2;
   coloured.seed = 3;
-  return {generate(closed), generate(layered), generate(handles), generate(coloured)};
+
+  StreamRecipe divided;
+  divided.name = "sheet in three regions, two quality layers";
+  divided.base = grid(3, 2, false);
+  divided.level_count = 3;
+  divided.quality_layer_count = 2;
+  divided.region_count = 3;
+  divided.tangential_density = 0.1;
+  divided.has_creases = true;
+  return {generate(closed), generate(layered), generate(handles), generate(coloured), generate(divided)};
 }
 
 }  // namespace nmc::test
