@@ -194,7 +194,7 @@ Header read_header(const u8* fields, std::size_t size) {
   }
   if (flags & 16) {
     h.region_count = static_cast<u32>(reader.fixed(1));
-    check(h.region_count >= 1 && h.region_count <= f, "3.3.4");
+    check(h.region_count >= 1 && h.region_count <= 64 && h.region_count <= f, "3.3.4");
     h.region_level = static_cast<int>(reader.fixed(1));
     h.region_level_count = static_cast<int>(reader.fixed(1));
     check(h.region_level >= 1 && h.region_level_count >= 1 &&

@@ -18,7 +18,7 @@ for source in "$root"/decoder/wasm/*.cpp "$root"/libnmc/common/*.cpp "$root"/lib
   name=$(basename "$source" .cpp)
   case $name in
     coefficient_decoder|reconstruct)
-      options="-O2 -mllvm -inline-threshold=20 ${NMC_WASM_FAST_FLAGS:-}" ;;
+      options="-O2 -mllvm -inline-threshold=25 ${NMC_WASM_FAST_FLAGS:-}" ;;
     *) options="-Oz" ;;
   esac
   # shellcheck disable=SC2086  # the options are meant to be split

@@ -65,9 +65,9 @@ void declare_options(CLI::App& app, EncodeArguments& arguments) {
       ->check(CLI::Range(1, 6))
       ->capture_default_str();
   app.add_option("--regions", arguments.regions,
-                 "parts of the surface that can be fetched and refined alone, 2 ... 255; 0: none. Each takes some\n"
+                 "parts of the surface that can be fetched and refined alone, 2 ... 64; 0: none. Each takes some\n"
                  "50 bytes per quality layer")
-      ->check(CLI::Range(0, 255))
+      ->check(CLI::Range(0, 64))
       ->capture_default_str();
   app.add_option("--crease", arguments.crease, "keep edges sharper than this angle in degrees; 0: none")
       ->check(CLI::Range(0.0, 180.0));

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 
+#include "libnmc/common/format.h"
 #include "libnmc/common/memory.h"
 #include "libnmc/common/status.h"
 #include "libnmc/common/subdivision.h"
@@ -22,13 +23,13 @@ struct RegionPartition {
   explicit RegionPartition(Memory* memory = nullptr)
       : region_of_face(memory), faces(memory), rank_of_face(memory) {}
 
-  /// `region_count` is at least 1 and at most the number of faces and 255. O(faces region_count).
+  /// `region_count` is at least 1 and at most the number of faces and kMaximumRegionCount. O(faces region_count).
   Status build(const LevelTopology& base, std::uint32_t region_count, Memory* memory);
 
   Array<std::uint32_t> region_of_face;  // per base face
   Array<std::uint32_t> faces;           // base faces by region, in increasing order
   Array<std::uint32_t> rank_of_face;    // per base face: its number among those of its region
-  std::uint32_t first_face[257] = {};   // region r has faces[first_face[r] ... first_face[r + 1] - 1]
+  std::uint32_t first_face[kMaximumRegionCount + 1] = {};  // region r has faces[first_face[r] ... first_face[r + 1] - 1]
 };
 
 /// One level of one region as a mesh of its own. An edge on its border may have its left face missing. Faces and

@@ -124,14 +124,12 @@ Status parse_header(const std::uint8_t* data, std::size_t total_size, Header& he
       NMC_CHECK_STREAM(product <= (1u << 20), "3.3.4", "the quality layers span too much");
     }
   }
-  header.region_count = 0;
-  header.region_level = header.region_level_count = 0;
   if (has_regions) {
     header.region_count = reader.read_u8();
     header.region_level = reader.read_u8();
     header.region_level_count = reader.read_u8();
-    NMC_CHECK_STREAM(header.region_count >= 1 && header.region_count <= face_count && header.region_level >= 1 &&
-                         header.region_level_count >= 1 &&
+    NMC_CHECK_STREAM(header.region_count - 1 < kMaximumRegionCount && header.region_count <= face_count &&
+                         header.region_level > 0 && header.region_level_count > 0 &&
                          header.region_level + header.region_level_count <= level_count,
                      "3.3.4", "the regions or their levels are out of range");
   }

@@ -65,6 +65,7 @@ TEST_CASE("spec: the table of limits is that of the code", "[spec]") {
       {"chunk", kMaximumChunkSize},
       {"levels", kMaximumLevelCount},
       {"quality layers", kMaximumLayerCount},
+      {"regions", kMaximumRegionCount},
       {"rows", kMaximumTableSize},
       {"vertices of a level", static_cast<std::int64_t>(kMaximumVertexCount)},
       {"faces around a base vertex", kMaximumValence},

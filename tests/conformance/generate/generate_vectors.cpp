@@ -462,6 +462,11 @@ void add_region_vectors(VectorWriter& writer) {
   };
   broken_header("none", "no regions", {0, 1, 1});
   broken_header("too-many", "more regions than faces", {5, 1, 1});
+  HeaderFields beyond_limit;
+  beyond_limit.flags = 16;
+  beyond_limit.base_vertex_count = beyond_limit.base_face_count = 100;
+  beyond_limit.regions = {65, 1, 1};
+  writer.add_broken("regions-beyond-limit", "65 regions of 100 faces", NMC_ERR_CORRUPT, beyond_limit.bytes());
   broken_header("level-0", "regions from level 0 on", {2, 0, 1});
   broken_header("no-levels", "regions without levels", {2, 1, 0});
   broken_header("level-too-fine", "levels 1 and 2 of two", {2, 1, 2});
