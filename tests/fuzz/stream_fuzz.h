@@ -52,7 +52,7 @@ struct StreamParts {
       ByteReader reader(data + position + 1, size - position - 1);
       const std::uint64_t payload_size = reader.read_varint();
       const std::size_t begin = position + 1 + reader.position();
-      if (reader.overrun() || reader.malformed() || payload_size + 4 > size - begin) break;
+      if (reader.overrun() || reader.malformed() || size - begin < 4 || payload_size > size - begin - 4) break;
       const std::uint8_t* payload = data + begin;
       chunks.push_back({data[position], test::Bytes(payload, payload + payload_size), row});
       position = begin + static_cast<std::size_t>(payload_size) + 4;
