@@ -71,9 +71,7 @@ ToolExit trim(const Arguments& arguments) {
                                             std::to_string(info.region_count) + " regions, counted from 0");
     }
   }
-  const auto cut_to_row = [&](const std::vector<std::uint8_t>& stream, std::uint32_t last_row) {
-    return ::cut_to_row(stream, arguments.regions, last_row);
-  };
+  const auto cut_to = [&](std::uint32_t last_row) { return cut_to_row(bytes, arguments.regions, last_row); };
   std::uint32_t row = info.layer_count - 1;
   bool is_met = true;
   if (!arguments.max_error.empty()) {
@@ -96,10 +94,10 @@ ToolExit trim(const Arguments& arguments) {
     check(status);
     complete += event == NMC_EVENT_LAYER;
   }
-  Array<std::uint8_t> result = cut_to_row(bytes, row);
+  Array<std::uint8_t> result = cut_to(row);
   if (!arguments.size.empty()) {
     const double limit = parse_size(arguments.size);
-    while (static_cast<double>(result.size()) > limit && row > 0) result = cut_to_row(bytes, --row);
+    while (static_cast<double>(result.size()) > limit && row > 0) result = cut_to(--row);
     is_met = static_cast<double>(result.size()) <= limit;
   }
   if (!is_met) {
@@ -107,7 +105,7 @@ ToolExit trim(const Arguments& arguments) {
     throw ToolError(ToolExit::kTargetNotMet,
                     arguments.input +
                         (by_error ? ": the whole stream does not reach that error"
-                                  : ": the first layer takes " + bytes_text(cut_to_row(bytes, 0).size()) +
+                                  : ": the first layer takes " + bytes_text(cut_to(0).size()) +
                                         " and is too large") +
                         "; nothing was written");
   }

@@ -16,7 +16,7 @@ struct ThreadCount {
 };
 
 /// An nmc_run_tasks whose `user` is a ThreadCount: starts threads, of which each takes the next task until none is left.
-/// A task is some ten thousand vertices, a millisecond: starting a thread costs a twentieth of that.
+/// Threads are started anew each time: levels of few tasks gain nothing.
 inline void run_on_threads(void* user, void (*task)(void* context, std::uint32_t index), void* context,
                            std::uint32_t task_count) {
   unsigned count = static_cast<const ThreadCount*>(user)->count;

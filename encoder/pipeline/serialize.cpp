@@ -263,12 +263,16 @@ StreamBytes serialize(const std::vector<const QuantizedMesh*>& layers, int layer
     check(writer.mesh().ensure_partition());
     const RegionPartition& partition = writer.mesh().partition();
     const auto region_of = [&](std::uint32_t face) { return face == kNone ? -1 : static_cast<int>(partition.region_of_face[face]); };
+    std::vector<std::uint64_t> border_counts(header.region_count, 0);
+    for (std::uint32_t e = 0; e < base.edge_count; ++e) {
+      const int left = region_of(base.edge_faces[2 * e]), right = region_of(base.edge_faces[2 * e + 1]);
+      if (left == right) continue;
+      for (const int side : {left, right})
+        if (side >= 0) ++border_counts[static_cast<std::size_t>(side)];
+    }
     for (int region = 0; region < static_cast<int>(header.region_count); ++region) {
       fill_up_for(level_count);
-      std::uint64_t border_count = 0;
-      for (std::uint32_t e = 0; e < base.edge_count; ++e) {
-        border_count += (region_of(base.edge_faces[2 * e]) == region) != (region_of(base.edge_faces[2 * e + 1]) == region);
-      }
+      const std::uint64_t border_count = border_counts[static_cast<std::size_t>(region)];
       for (int l = region_level; l < coded_level_count; ++l) {
         // Edges of the region's level, and entries of the whole's list, which may join those of both layers.
         const std::uint64_t face_count = partition.first_face[region + 1] - partition.first_face[region];

@@ -65,8 +65,8 @@ void declare_options(CLI::App& app, EncodeArguments& arguments) {
       ->check(CLI::Range(1, 6))
       ->capture_default_str();
   app.add_option("--regions", arguments.regions,
-                 "parts of the surface that can be fetched and refined alone, 2 ... 64; 0: none. Each takes some\n"
-                 "50 bytes per quality layer")
+                 "parts of the surface that can be fetched and refined alone, 1 ... 64; 0: none. Each takes some\n"
+                 "20 bytes per quality layer")
       ->check(CLI::Range(0, 64))
       ->capture_default_str();
   app.add_option("--crease", arguments.crease, "keep edges sharper than this angle in degrees; 0: none")

@@ -35,7 +35,8 @@ struct RegionPartition {
 /// One level of one region as a mesh of its own. An edge on its border may have its left face missing. Faces and
 /// edges have the order that they have in the whole.
 struct RegionLevel {
-  explicit RegionLevel(Memory* memory = nullptr) : edges(memory), odd_edges(memory), topologies_{LevelTopology(memory), LevelTopology(memory)} {}
+  explicit RegionLevel(Memory* memory = nullptr)
+      : edges(memory), odd_edges(memory), topologies_{LevelTopology(memory), LevelTopology(memory)} {}
 
   /// Level 0; vertices by first visit. `scratch` is one array for all calls with this `base`. O(n log n) for n faces
   /// of the region, but for the first call.

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "libnmc/common/subdivision.h"
 
-#include <initializer_list>
-
 #include <algorithm>
+#include <initializer_list>
 
 namespace nmc {
 
